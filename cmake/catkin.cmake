@@ -1,0 +1,30 @@
+# Messages, services and the catkin exports. catkin_python_setup() must come before generate_messages().
+find_package(catkin REQUIRED COMPONENTS
+  roscpp rospy nodelet pluginlib tf2 tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
+  visualization_msgs rosgraph_msgs mrs_msgs octomap_msgs message_generation)
+
+catkin_python_setup()
+
+file(STRINGS msg/files.txt voxnav_messages REGEX "^[^#]")
+file(STRINGS srv/files.txt voxnav_services REGEX "^[^#]")
+add_message_files(DIRECTORY msg FILES ${voxnav_messages})
+add_service_files(DIRECTORY srv FILES ${voxnav_services})
+generate_messages(DEPENDENCIES std_msgs geometry_msgs sensor_msgs nav_msgs visualization_msgs mrs_msgs octomap_msgs)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES voxnav_core
+  CATKIN_DEPENDS roscpp rospy nodelet tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
+    visualization_msgs mrs_msgs octomap_msgs message_runtime
+  DEPENDS EIGEN3)
+
+set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
+
+catkin_install_python(PROGRAMS
+  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/map_bag
+  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/planning_manager
+  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/submap_optimizer
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(DIRECTORY launch config rviz tmux worlds DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY include/ DESTINATION include)

@@ -1,0 +1,21 @@
+# Python first: pybind11 and catkin must agree with it on the interpreter.
+find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
+find_package(pybind11 REQUIRED)
+find_package(Eigen3 REQUIRED)
+find_package(Ceres REQUIRED)
+find_package(octomap REQUIRED)
+find_package(Threads REQUIRED)
+
+# Embree only serves the simulator; without it (some arm64 distributions) everything else is built.
+find_package(embree 3 QUIET)
+if(embree_FOUND)
+  add_library(voxnav_embree INTERFACE)
+  if(TARGET embree)
+    target_link_libraries(voxnav_embree INTERFACE embree)
+  else()
+    target_include_directories(voxnav_embree SYSTEM INTERFACE ${EMBREE_INCLUDE_DIRS})
+    target_link_libraries(voxnav_embree INTERFACE ${EMBREE_LIBRARY})
+  endif()
+else()
+  message(WARNING "Embree 3 not found: the LiDAR simulator is not built (Debian package libembree-dev)")
+endif()

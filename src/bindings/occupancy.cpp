@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "floors.hpp"
+
+namespace voxnav::bindings {
+
+void bind_occupancy(pybind11::module_&) {}
+
+}  // namespace voxnav::bindings

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rospy nodes; the only place in the package that imports rospy."""

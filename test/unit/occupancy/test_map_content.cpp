@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/occupancy/map_content.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace voxnav;  // NOLINT: test
+using containers::State;
+using occupancy::ContentBlock;
+using occupancy::MapContent;
+
+namespace {
+
+MapContent random_content(unsigned seed) {
+  std::mt19937 rng(seed);
+  MapContent content;
+  content.resolution_m = 0.4;
+  for (int x = -2; x < 2; ++x) {
+    if (rng() % 4 == 0) continue;
+    ContentBlock block;
+    block.index = {x, 1, 0};
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const State state = static_cast<State>(rng() % 3);
+      block.states.set(offset, state);
+      if (state != State::kOccupied) continue;
+      const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
+      block.occupied.push_back({static_cast<std::uint16_t>(offset), {signed_byte(), signed_byte(), signed_byte()},
+                                static_cast<std::uint8_t>(rng() % 256)});
+    }
+    content.blocks.push_back(block);
+  }
+  return content;
+}
+
+State state_of(const MapContent& content, const geometry::Index3& index, int offset) {
+  for (const ContentBlock& block : content.blocks) {
+    if (block.index == index) return block.states.get(offset);
+  }
+  return State::kUnknown;
+}
+
+}  // namespace
+
+TEST(MapContent, BytesRoundTrip) {
+  const MapContent content = random_content(1);
+  const MapContent read = MapContent::from_bytes(content.to_bytes());
+  EXPECT_EQ(read.to_bytes(), content.to_bytes());
+  EXPECT_EQ(read.num_occupied(), content.num_occupied());
+}
+
+TEST(MapContent, TruncatedBytesAreRefused) {
+  const std::string bytes = random_content(1).to_bytes();
+  for (std::size_t size = 0; size < bytes.size(); size += 97) {
+    EXPECT_THROW(MapContent::from_bytes(bytes.substr(0, size)), std::invalid_argument);
+  }
+}
+
+TEST(MapContent, MergePrefersWhatTheNewerKnows) {
+  const MapContent older = random_content(2);
+  const MapContent newer = random_content(3);
+  MapContent merged = older;
+  merged.merge(newer);
+  for (int x = -2; x < 2; ++x) {
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const State newest = state_of(newer, {x, 1, 0}, offset);
+      const State expected = newest == State::kUnknown ? state_of(older, {x, 1, 0}, offset) : newest;
+      ASSERT_EQ(state_of(merged, {x, 1, 0}, offset), expected);
+    }
+  }
+  EXPECT_EQ(MapContent::from_bytes(merged.to_bytes()).num_occupied(), merged.num_occupied());
+}
+
+TEST(MapContent, SurfacePointStaysInsideItsVoxel) {
+  const occupancy::OccupiedLeaf leaf{0, {127, -127, 0}, 1};
+  const geometry::Vec3f p = occupancy::surface_point({0, 0, 0}, leaf, 0.4);
+  EXPECT_NEAR(p.x(), 0.4, 1e-6);
+  EXPECT_NEAR(p.y(), 0.0, 1e-6);
+  EXPECT_NEAR(p.z(), 0.2, 1e-6);
+}
