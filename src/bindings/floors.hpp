@@ -6,6 +6,7 @@
 namespace voxnav::bindings {
 
 /// One function, and one file of that name, per floor of the core; called lowest first.
+void bind_base(pybind11::module_& m);
 void bind_geometry(pybind11::module_& m);
 void bind_containers(pybind11::module_& m);
 void bind_cloud(pybind11::module_& m);

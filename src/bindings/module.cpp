@@ -8,6 +8,7 @@ PYBIND11_MODULE(_core, m) {
   namespace py = pybind11;
   m.doc() = "voxnav's ROS-free core. Frames, units and shapes: docs/architecture.md.";
   py::register_exception<voxnav::base::ConfigError>(m, "ConfigError", PyExc_ValueError);
+  voxnav::bindings::bind_base(m);
   voxnav::bindings::bind_geometry(m);
   voxnav::bindings::bind_containers(m);
   voxnav::bindings::bind_cloud(m);

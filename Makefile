@@ -1,0 +1,49 @@
+# Everything a developer or a newcomer types. `make demo` and `make test` work on a fresh machine.
+SHELL := /bin/bash
+# Debian's Python before any other: catkin, pybind11 and rospy must agree on one interpreter.
+export PATH := /usr/bin:$(PATH)
+export CCACHE_DIR ?= $(HOME)/.cache/ccache
+
+WS := build/ws
+JOBS ?= 2
+SEED ?= 1
+WORLD ?= forest
+DATA ?= ../shared/data/kitti_0001
+
+.PHONY: all deps build core demo demo-real test bench sanitize lint format clean
+
+all: build
+
+deps:
+	@scripts/dev/install_deps
+
+build: deps
+	@scripts/dev/build_workspace $(WS) $(JOBS)
+
+core: deps
+	@cmake -S . -B build/core -DCMAKE_CXX_COMPILER_LAUNCHER=ccache > build/core-cmake.log || (cat build/core-cmake.log; false)
+	@$(MAKE) --no-print-directory -C build/core -j$(JOBS)
+
+demo: build
+	@scripts/dev/in_workspace $(WS) scripts/demo --seed $(SEED) --world $(WORLD) --out build/demo
+
+demo-real: build
+	@scripts/dev/in_workspace $(WS) scripts/demo_real --data $(DATA) --out build/demo-real
+
+test: build
+	@scripts/dev/run_tests $(WS)
+
+bench: build
+	@scripts/dev/run_benchmarks build/bench $(JOBS)
+
+sanitize: deps
+	@scripts/dev/run_sanitizers build/sanitize $(JOBS)
+
+lint: deps
+	@scripts/dev/run_lint
+
+format: deps
+	@git ls-files '*.hpp' '*.cpp' | xargs clang-format -i
+
+clean:
+	rm -rf build

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <ros/time.h>
+
+#include <optional>
+
+#include "voxnav/base/time.hpp"
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav_ros {
+
+inline voxnav::base::StampNs to_ns(const ros::Time& time) { return static_cast<voxnav::base::StampNs>(time.toNSec()); }
+/// Stamps before 1970 cannot be told to ROS and become zero.
+ros::Time to_ros(voxnav::base::StampNs stamp_ns);
+
+geometry_msgs::Point to_msg(const voxnav::geometry::Vec3& point);
+voxnav::geometry::Vec3 from_msg(const geometry_msgs::Point& point);
+
+geometry_msgs::Pose to_msg(const voxnav::geometry::Pose& T_A_B);
+geometry_msgs::Transform to_transform_msg(const voxnav::geometry::Pose& T_A_B);
+
+/// Nothing when the message holds values that are not finite or a quaternion of length far from one.
+std::optional<voxnav::geometry::Pose> from_msg(const geometry_msgs::Pose& pose);
+std::optional<voxnav::geometry::Pose> from_msg(const geometry_msgs::Transform& transform);
+
+}  // namespace voxnav_ros

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nodelet/nodelet.h>
+#include <ros/ros.h>
+
+#include <memory>
+#include <string>
+
+#include "voxnav/Progress.h"
+#include "voxnav/base/config.hpp"
+#include "voxnav_ros/diagnostics.hpp"
+#include "voxnav_ros/param_loader.hpp"
+
+namespace voxnav_ros {
+
+/// What every nodelet of voxnav does the same way: strict parameters, diagnostics, progress.
+/// A nodelet with unusable parameters logs every problem and is not loaded.
+class NodeletBase : public nodelet::Nodelet {
+ protected:
+  explicit NodeletBase(std::string node) : node_(std::move(node)) {}
+
+  /// Load parameters, build the core object, advertise; subscribe last.
+  /// @throws voxnav::base::ConfigError
+  virtual void initialize() = 0;
+
+  Diagnostics& diagnostics() { return *diagnostics_; }
+  const std::string& node() const { return node_; }
+  /// Tells the lock-step simulation that everything up to this stamp has been dealt with.
+  void publish_progress(const ros::Time& stamp);
+
+ private:
+  void onInit() final;
+
+  std::string node_;
+  std::unique_ptr<Diagnostics> diagnostics_;
+  ros::Publisher progress_;
+};
+
+}  // namespace voxnav_ros

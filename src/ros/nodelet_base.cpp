@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_ros/nodelet_base.hpp"
+
+namespace voxnav_ros {
+
+void NodeletBase::onInit() {
+  ros::NodeHandle& nh = getMTPrivateNodeHandle();
+  diagnostics_ = std::make_unique<Diagnostics>(node_, nh);
+  progress_ = nh.advertise<voxnav::Progress>("progress_out", 50);
+  try {
+    initialize();
+  } catch (const std::exception& error) {
+    NODELET_FATAL_STREAM("[" << node_ << "]: not started:\n" << error.what());
+    throw;  // the manager reports the load as failed, and the launch file sees it
+  }
+  NODELET_INFO_STREAM("[" << node_ << "]: initialized");
+}
+
+void NodeletBase::publish_progress(const ros::Time& stamp) {
+  voxnav::Progress progress;
+  progress.node = node_;
+  progress.stamp = stamp;
+  progress_.publish(progress);
+}
+
+}  // namespace voxnav_ros

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What every rospy node of voxnav does the same way: start, diagnostics, progress."""
+
+import contextlib
+import sys
+import threading
+import time
+
+import rospy
+
+import voxnav
+from voxnav.msg import NodeDiagnostics, Progress
+from voxnav.msg import StageStatistics as StageStatisticsMsg
+
+
+class Diagnostics:
+    """Collects what a node has to say about itself; published once a second of wall time. Thread-safe."""
+
+    def __init__(self, node):
+        self._node = node
+        self._lock = threading.Lock()
+        self._stages = {}
+        self._counters = {}
+        self._level, self._message = NodeDiagnostics.OK, ""
+        self._publisher = rospy.Publisher("~diagnostics_out", NodeDiagnostics, queue_size=2, latch=True)
+        # Wall time, so that the node is heard even when the simulated clock stands still.
+        self._stop = threading.Event()
+        rospy.on_shutdown(self._stop.set)
+        threading.Thread(target=self._run, name="diagnostics", daemon=True).start()
+
+    @contextlib.contextmanager
+    def time(self, stage):
+        """Context manager that adds wall and CPU time of the calling thread to a stage."""
+        wall, cpu = time.monotonic(), time.thread_time()
+        try:
+            yield
+        finally:
+            wall_ms, cpu_ms = 1e3 * (time.monotonic() - wall), 1e3 * (time.thread_time() - cpu)
+            with self._lock:
+                self._stage(stage).add(wall_ms, cpu_ms)
+
+    def add_dropped(self, stage, count=1):
+        with self._lock:
+            self._stage(stage).dropped += count
+
+    def set_counter(self, name, value):
+        with self._lock:
+            self._counters[name] = float(value)
+
+    def set_level(self, level, message=""):
+        with self._lock:
+            self._level, self._message = level, message
+
+    def _stage(self, name):
+        return self._stages.setdefault(name, voxnav.StageStatistics())
+
+    def _run(self):
+        while not self._stop.wait(1.0):
+            try:
+                self._publisher.publish(self._message_now())
+            except rospy.ROSException:
+                return  # the node is going down
+
+    def _message_now(self):
+        usage = voxnav.process_usage()
+        out = NodeDiagnostics(node=self._node, rss_bytes=usage["rss_bytes"], cpu_s=usage["cpu_s"])
+        out.header.stamp = rospy.Time.now()
+        with self._lock:
+            out.level, out.message = self._level, self._message
+            out.counter_names, out.counter_values = list(self._counters), list(self._counters.values())
+            for name, stage in self._stages.items():
+                numbers = stage.summary()
+                numbers.pop("median_ms")
+                out.stages.append(StageStatisticsMsg(name=name, **numbers))
+        return out
+
+
+class ProgressPublisher:
+    """Tells the lock-step simulation that everything up to a stamp has been dealt with."""
+
+    def __init__(self, node):
+        self._node = node
+        self._publisher = rospy.Publisher("~progress_out", Progress, queue_size=50)
+
+    def publish(self, stamp):
+        self._publisher.publish(Progress(node=self._node, stamp=stamp))
+
+
+def run_node(name, make_node):
+    """Start a node: bad parameters end it with every problem listed, not with a traceback."""
+    rospy.init_node(name)
+    try:
+        node = make_node()  # kept alive until shutdown
+    except voxnav.ConfigError as error:
+        rospy.logfatal("[%s]: not started:\n%s", name, error)
+        sys.exit(1)
+    rospy.loginfo("[%s]: initialized", name)
+    rospy.spin()
+    return node
