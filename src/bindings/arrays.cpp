@@ -7,8 +7,10 @@ geometry::Pose pose_of(const py::array& array, const char* name) {
   const double* data = data_of<double>(array, name, {4, 4});
   geometry::Pose pose;
   pose.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data);
-  if (!geometry::is_valid(pose) || (pose.matrix().row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-9) {
-    throw py::value_error(std::string(name) + " must be a finite rigid transform (orthonormal rotation, last row 0 0 0 1)");
+  if (!geometry::is_valid(pose) ||
+      (pose.matrix().row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-9) {
+    throw py::value_error(std::string(name) +
+                          " must be a finite rigid transform (orthonormal rotation, last row 0 0 0 1)");
   }
   return pose;
 }

@@ -29,18 +29,27 @@ void bind_base(py::module_& m) {
   py::class_<StageStatistics>(m, "StageStatistics",
                               "Time of one stage in constant memory; quantiles are exact within 7 %.")
       .def(py::init<>())
-      .def("add", [](StageStatistics& s, double wall_ms, double cpu_ms) { s.wall.add(wall_ms); s.cpu.add(cpu_ms); },
-           py::arg("wall_ms"), py::arg("cpu_ms"))
-      .def("add_latency", [](StageStatistics& s, double ms) { s.latency.add(ms); }, py::arg("milliseconds"))
+      .def(
+          "add",
+          [](StageStatistics& s, double wall_ms, double cpu_ms) {
+            s.wall.add(wall_ms);
+            s.cpu.add(cpu_ms);
+          },
+          py::arg("wall_ms"), py::arg("cpu_ms"))
+      .def(
+          "add_latency", [](StageStatistics& s, double ms) { s.latency.add(ms); }, py::arg("milliseconds"))
       .def_readwrite("dropped", &StageStatistics::dropped)
       .def("summary", &summary, "dict: count, dropped, mean_ms, median_ms, p99_ms, max_ms, cpu_ms, latency_*.");
-  m.def("process_usage", [] {
-    const base::ProcessUsage usage = base::process_usage();
-    py::dict out;
-    out["rss_bytes"] = usage.rss_bytes;
-    out["cpu_s"] = usage.cpu_s;
-    return out;
-  }, "Resident memory and CPU time of this process.");
+  m.def(
+      "process_usage",
+      [] {
+        const base::ProcessUsage usage = base::process_usage();
+        py::dict out;
+        out["rss_bytes"] = usage.rss_bytes;
+        out["cpu_s"] = usage.cpu_s;
+        return out;
+      },
+      "Resident memory and CPU time of this process.");
 }
 
 }  // namespace voxnav::bindings

@@ -26,9 +26,11 @@ base::Value value_of(const std::string& key, const py::handle& object) {
   if (py::isinstance<py::str>(object)) return py::cast<std::string>(object);
   if (PyFloat_Check(object.ptr())) return py::cast<double>(object);
   if (PyLong_Check(object.ptr())) return py::cast<std::int64_t>(object);
-  if (PyIndex_Check(object.ptr())) return py::cast<std::int64_t>(py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr())));
+  if (PyIndex_Check(object.ptr()))
+    return py::cast<std::int64_t>(py::reinterpret_steal<py::object>(PyNumber_Index(object.ptr())));
   if (py::isinstance<py::sequence>(object)) return list_value(key, py::reinterpret_borrow<py::sequence>(object));
-  if (PyNumber_Check(object.ptr())) return PyFloat_AsDouble(py::float_(py::reinterpret_borrow<py::object>(object)).ptr());
+  if (PyNumber_Check(object.ptr()))
+    return PyFloat_AsDouble(py::float_(py::reinterpret_borrow<py::object>(object)).ptr());
   throw base::ConfigError({key + ": values are booleans, numbers, strings or lists"});
 }
 

@@ -28,7 +28,8 @@ template <class C>
 py::class_<C> bind_config(py::module_& m, const char* name, const char* doc) {
   py::class_<C> cls(m, name, doc);
   cls.def(py::init([](const py::kwargs& kwargs) { return config_from<C>(kwargs); }),
-          "Defaults, with fields set by keyword.\n\nRaises ConfigError listing every unknown, mistyped or out-of-range field.");
+          "Defaults, with fields set by keyword.\n\nRaises ConfigError listing every unknown, mistyped or out-of-range "
+          "field.");
   cls.def_static("from_dict", &config_from<C>, py::arg("values"), "The same from a dict, as YAML gives it.");
   C::fields([&](const char* field, auto member, const base::Rule& rule, const char* unit, const char* field_doc) {
     const std::string text = std::string(field_doc) + (*unit ? std::string(" [") + unit + "]" : std::string());

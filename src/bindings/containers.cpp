@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/containers/state_grid.hpp"
-
 #include "arrays.hpp"
 #include "floors.hpp"
+#include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -15,7 +14,8 @@ StateGrid grid_from_array(const py::array& states, const py::object& origin, dou
   const auto* data = data_of<std::int8_t>(states, "states", {-1, -1, -1});
   const geometry::Vec3 corner = vec3_of(origin, "origin");
   StateGrid grid(resolution_m);
-  const geometry::Index3 first = geometry::index_of(corner + geometry::Vec3::Constant(resolution_m * 0.5), resolution_m);
+  const geometry::Index3 first =
+      geometry::index_of(corner + geometry::Vec3::Constant(resolution_m * 0.5), resolution_m);
   const int nx = static_cast<int>(states.shape(0));
   const int ny = static_cast<int>(states.shape(1));
   const int nz = static_cast<int>(states.shape(2));
@@ -23,7 +23,8 @@ StateGrid grid_from_array(const py::array& states, const py::object& origin, dou
     for (int y = 0; y < ny; ++y) {
       for (int z = 0; z < nz; ++z) {
         const std::int8_t value = data[(static_cast<std::size_t>(x) * ny + y) * nz + z];
-        if (value < 0 || value > 2) throw py::value_error("states holds a value other than 0 unknown, 1 free, 2 occupied");
+        if (value < 0 || value > 2)
+          throw py::value_error("states holds a value other than 0 unknown, 1 free, 2 occupied");
         if (value != 0) grid.set(first + geometry::Index3{x, y, z}, static_cast<State>(value));
       }
     }

@@ -35,12 +35,22 @@ bool to_list(XmlRpcValue& list, Value* out) {
 
 bool to_value(XmlRpcValue& in, Value* out) {
   switch (in.getType()) {
-    case XmlRpcValue::TypeBoolean: *out = static_cast<bool>(in); return true;
-    case XmlRpcValue::TypeInt: *out = static_cast<std::int64_t>(static_cast<int>(in)); return true;
-    case XmlRpcValue::TypeDouble: *out = static_cast<double>(in); return true;
-    case XmlRpcValue::TypeString: *out = static_cast<std::string>(in); return true;
-    case XmlRpcValue::TypeArray: return to_list(in, out);
-    default: return false;
+    case XmlRpcValue::TypeBoolean:
+      *out = static_cast<bool>(in);
+      return true;
+    case XmlRpcValue::TypeInt:
+      *out = static_cast<std::int64_t>(static_cast<int>(in));
+      return true;
+    case XmlRpcValue::TypeDouble:
+      *out = static_cast<double>(in);
+      return true;
+    case XmlRpcValue::TypeString:
+      *out = static_cast<std::string>(in);
+      return true;
+    case XmlRpcValue::TypeArray:
+      return to_list(in, out);
+    default:
+      return false;
   }
 }
 

@@ -13,16 +13,17 @@ namespace voxnav::occupancy {
 
 /// One occupied leaf with what is known of the surface inside it.
 struct OccupiedLeaf {
-  std::uint16_t offset;               ///< geometry::offset_in_block()
-  std::array<std::int8_t, 3> mean;    ///< mean hit point from the voxel centre, unit voxel edge / 254 (so +-127 is the face)
-  std::uint8_t hits;                  ///< scans that hit the voxel, saturates at 255
+  std::uint16_t offset;  ///< geometry::offset_in_block()
+  std::array<std::int8_t, 3>
+      mean;           ///< mean hit point from the voxel centre, unit voxel edge / 254 (so +-127 is the face)
+  std::uint8_t hits;  ///< scans that hit the voxel, saturates at 255
 };
 
 /// The known part of one block of 16^3 voxels.
 struct ContentBlock {
-  geometry::Index3 index;                ///< block index in the map's grid
+  geometry::Index3 index;  ///< block index in the map's grid
   containers::StateBlock states;
-  std::vector<OccupiedLeaf> occupied;    ///< sorted by offset; exactly the voxels whose state is occupied
+  std::vector<OccupiedLeaf> occupied;  ///< sorted by offset; exactly the voxels whose state is occupied
 };
 
 /// Everything the local map knows, in the form in which it is handed to a submap. Coordinates are

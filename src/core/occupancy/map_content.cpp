@@ -37,7 +37,8 @@ void check_leaves(const ContentBlock& block, const base::ByteReader& reader) {
     const State state = block.states.get(offset);
     if (state > State::kOccupied) reader.fail("holds a voxel state that does not exist");
     if (state != State::kOccupied) continue;
-    if (next >= block.occupied.size() || block.occupied[next++].offset != offset) reader.fail("has leaves that do not match its states");
+    if (next >= block.occupied.size() || block.occupied[next++].offset != offset)
+      reader.fail("has leaves that do not match its states");
   }
   if (next != block.occupied.size()) reader.fail("has leaves that do not match its states");
 }
@@ -49,7 +50,8 @@ void MapContent::merge(const MapContent& newer) {
     *this = newer;
     return;
   }
-  if (newer.resolution_m != resolution_m) throw std::invalid_argument("cannot merge map contents of different resolutions");
+  if (newer.resolution_m != resolution_m)
+    throw std::invalid_argument("cannot merge map contents of different resolutions");
   std::vector<ContentBlock> merged;
   merged.reserve(blocks.size() + newer.blocks.size());
   auto a = blocks.begin();
@@ -105,7 +107,8 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
   out.resolution_m = in.get<double>();
   if (!(out.resolution_m > 0.0)) in.fail("has no positive resolution");
   constexpr std::size_t kLeafBytes = 6;
-  const auto num_blocks = in.get_count(sizeof(geometry::Index3) + sizeof(containers::StateBlock) + sizeof(std::uint64_t));
+  const auto num_blocks =
+      in.get_count(sizeof(geometry::Index3) + sizeof(containers::StateBlock) + sizeof(std::uint64_t));
   out.blocks.resize(num_blocks);
   for (ContentBlock& block : out.blocks) {
     block.index = in.get<geometry::Index3>();

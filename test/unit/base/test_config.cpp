@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/base/config.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "voxnav/base/config.hpp"
 
 namespace {
 
@@ -38,7 +38,8 @@ std::string only_problem(const base::ValueMap& values) {
 
 TEST(Config, AcceptsGoodValuesAndWidensIntegers) {
   SampleConfig config;
-  const auto problems = base::assign(&config, {{"resolution_m", std::int64_t{1}}, {"filling", std::string("projective")}});
+  const auto problems =
+      base::assign(&config, {{"resolution_m", std::int64_t{1}}, {"filling", std::string("projective")}});
   EXPECT_TRUE(problems.empty());
   EXPECT_EQ(config.resolution_m, 1.0);
   EXPECT_EQ(config.filling, "projective");
@@ -46,13 +47,17 @@ TEST(Config, AcceptsGoodValuesAndWidensIntegers) {
 
 TEST(Config, NamesKeyValueAndAllowedRange) {
   EXPECT_EQ(only_problem({{"resolution_m", -1.0}}), "resolution_m = -1: allowed is 0.01 to 10 m");
-  EXPECT_EQ(only_problem({{"filling", std::string("magic")}}), "filling = 'magic': allowed is one of occupancy, projective");
+  EXPECT_EQ(only_problem({{"filling", std::string("magic")}}),
+            "filling = 'magic': allowed is one of occupancy, projective");
   EXPECT_EQ(only_problem({{"num_threads", 1.5}}), "num_threads = 1.5: needs an integer");
   EXPECT_EQ(only_problem({{"is_enabled", std::int64_t{1}}}), "is_enabled = 1: needs true or false");
-  EXPECT_EQ(only_problem({{"window_size_m", std::vector<double>{1, 2}}}), "window_size_m = [1, 2]: needs 3 numbers, has 2");
+  EXPECT_EQ(only_problem({{"window_size_m", std::vector<double>{1, 2}}}),
+            "window_size_m = [1, 2]: needs 3 numbers, has 2");
 }
 
-TEST(Config, RefusesNotANumber) { EXPECT_NE(only_problem({{"resolution_m", std::nan("")}}).find("allowed"), std::string::npos); }
+TEST(Config, RefusesNotANumber) {
+  EXPECT_NE(only_problem({{"resolution_m", std::nan("")}}).find("allowed"), std::string::npos);
+}
 
 TEST(Config, SuggestsTheNearestNameForAnUnknownKey) {
   EXPECT_EQ(only_problem({{"resolutoin_m", 0.2}}), "resolutoin_m: unknown parameter, did you mean resolution_m?");
@@ -60,7 +65,8 @@ TEST(Config, SuggestsTheNearestNameForAnUnknownKey) {
 
 TEST(Config, ListsEveryProblemAtOnce) {
   SampleConfig config;
-  EXPECT_EQ(base::assign(&config, {{"resolution_m", 99.0}, {"num_threads", std::int64_t{0}}, {"foo", true}}).size(), 3u);
+  EXPECT_EQ(base::assign(&config, {{"resolution_m", 99.0}, {"num_threads", std::int64_t{0}}, {"foo", true}}).size(),
+            3u);
 }
 
 TEST(Config, ChecksRulesBetweenFields) {

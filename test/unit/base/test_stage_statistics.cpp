@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/base/stage_statistics.hpp"
-
 #include <gtest/gtest.h>
+
+#include "voxnav/base/stage_statistics.hpp"
 
 using voxnav::base::DurationHistogram;
 

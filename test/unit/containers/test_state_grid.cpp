@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/containers/state_grid.hpp"
-
 #include <gtest/gtest.h>
 
 #include <map>
 #include <random>
+
+#include "voxnav/containers/state_grid.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/geometry/pose.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "voxnav/geometry/aabb.hpp"
+#include "voxnav/geometry/pose.hpp"
 #include "voxnav/geometry/voxel.hpp"
 
 using namespace voxnav::geometry;  // NOLINT: test
@@ -15,7 +14,8 @@ TEST(Pose, YawSurvivesTilt) {
   for (double yaw = -3.0; yaw < 3.1; yaw += 0.3) {
     Pose tilted = Pose::Identity();
     tilted.linear() = (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(0.4, Vec3::UnitY()) *
-                       Eigen::AngleAxisd(-0.3, Vec3::UnitX())).toRotationMatrix();
+                       Eigen::AngleAxisd(-0.3, Vec3::UnitX()))
+                          .toRotationMatrix();
     EXPECT_NEAR(yaw_of(tilted), yaw, 1e-12);
     EXPECT_NEAR(gravity_aligned(tilted).linear()(2, 2), 1.0, 1e-12);
   }
@@ -55,6 +55,7 @@ TEST(Aabb, TransformedBoxHoldsTransformedPoints) {
   Aabb box{{-1, -2, -3}, {1, 2, 3}};
   const Pose T = from_position_yaw({5, 6, 7}, 0.7);
   const Aabb moved = box.transformed(T).padded(1e-9);
-  for (int c = 0; c < 8; ++c) EXPECT_TRUE(moved.contains(T * Vec3((c & 1) ? 1 : -1, (c & 2) ? 2 : -2, (c & 4) ? 3 : -3)));
+  for (int c = 0; c < 8; ++c)
+    EXPECT_TRUE(moved.contains(T * Vec3((c & 1) ? 1 : -1, (c & 2) ? 2 : -2, (c & 4) ? 3 : -3)));
   EXPECT_TRUE(Aabb().transformed(T).empty());
 }

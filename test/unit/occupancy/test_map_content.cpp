@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/map_content.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "voxnav/occupancy/map_content.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;
@@ -25,7 +25,8 @@ MapContent random_content(unsigned seed) {
       block.states.set(offset, state);
       if (state != State::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
-      block.occupied.push_back({static_cast<std::uint16_t>(offset), {signed_byte(), signed_byte(), signed_byte()},
+      block.occupied.push_back({static_cast<std::uint16_t>(offset),
+                                {signed_byte(), signed_byte(), signed_byte()},
                                 static_cast<std::uint8_t>(rng() % 256)});
     }
     content.blocks.push_back(block);
