@@ -1,8 +1,89 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "arrays.hpp"
 #include "floors.hpp"
+#include "voxnav/geometry/distance_field.hpp"
 
 namespace voxnav::bindings {
+namespace {
 
-void bind_geometry(pybind11::module_&) {}
+using geometry::DistanceField;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+geometry::Vec3 row_of(const float* points, py::ssize_t row) {
+  return {points[3 * row], points[3 * row + 1], points[3 * row + 2]};
+}
+
+py::array_t<double> distance(const DistanceField& field, const py::array& points_S) {
+  const float* points = data_of<float>(points_S, "points_S", {-1, 3});
+  const py::ssize_t size = points_S.shape(0);
+  std::vector<double> out(static_cast<std::size_t>(size), kNaN);
+  {
+    py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < size; ++i) {
+      const geometry::Vec3 p_S = row_of(points, i);
+      if (p_S.allFinite()) field.sample(p_S, &out[static_cast<std::size_t>(i)], nullptr);
+    }
+  }
+  return array_from(std::move(out), 0);
+}
+
+py::array_t<double> gradient(const DistanceField& field, const py::array& points_S) {
+  const float* points = data_of<float>(points_S, "points_S", {-1, 3});
+  const py::ssize_t size = points_S.shape(0);
+  std::vector<double> out(static_cast<std::size_t>(3 * size), kNaN);
+  {
+    py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < size; ++i) {
+      const geometry::Vec3 p_S = row_of(points, i);
+      double distance_m = 0.0;
+      geometry::Vec3 slope;
+      if (!p_S.allFinite() || !field.sample(p_S, &distance_m, &slope)) continue;
+      for (int k = 0; k < 3; ++k) out[static_cast<std::size_t>(3 * i + k)] = slope[k];
+    }
+  }
+  return array_from(std::move(out), 3);
+}
+
+/// Three columns of every surface point, picked by `member`.
+py::array_t<float> surface_rows(const DistanceField& field, geometry::Vec3f geometry::SurfacePoint::*member) {
+  std::vector<float> out;
+  out.reserve(3 * field.surface_points().size());
+  for (const geometry::SurfacePoint& point : field.surface_points()) {
+    for (int k = 0; k < 3; ++k) out.push_back((point.*member)[k]);
+  }
+  return array_from(std::move(out), 3);
+}
+
+py::array_t<float> surface_weights(const DistanceField& field) {
+  std::vector<float> out;
+  out.reserve(field.surface_points().size());
+  for (const geometry::SurfacePoint& point : field.surface_points()) out.push_back(point.weight);
+  return array_from(std::move(out), 0);
+}
+
+}  // namespace
+
+void bind_geometry(py::module_& m) {
+  py::class_<DistanceField, std::shared_ptr<DistanceField>>(
+      m, "DistanceField", "Signed distances around the surfaces of one submap, frame S. Immutable; made by subclasses.")
+      .def("distance", &distance, py::arg("points_S"),
+           "Signed distance (negative inside) at (n, 3) float32 points.\n\n"
+           "Returns (n,) float64 metres, NaN where unobserved or the point is not finite.")
+      .def("gradient", &gradient, py::arg("points_S"),
+           "Gradient of the distance at (n, 3) float32 points.\n\nReturns (n, 3) float64, NaN where unobserved.")
+      .def(
+          "surface_points", [](const DistanceField& f) { return surface_rows(f, &geometry::SurfacePoint::position); },
+          "(n, 3) float32 points on the observed surfaces, frame S, metres.")
+      .def(
+          "surface_normals", [](const DistanceField& f) { return surface_rows(f, &geometry::SurfacePoint::normal); },
+          "(n, 3) float32 unit normals of surface_points(), towards free space.")
+      .def("surface_weights", &surface_weights, "(n,) float32 confidences of surface_points(), above 0.")
+      .def_property_readonly("resolution_m", &DistanceField::resolution_m, "Edge of one voxel, metres.");
+}
 
 }  // namespace voxnav::bindings
