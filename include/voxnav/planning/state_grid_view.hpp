@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "voxnav/planning/occupancy_view.hpp"
+
+namespace voxnav::planning {
+
+/// A StateGrid as planning sees it. The box is that of the grid's blocks.
+class StateGridView : public OccupancyView {
+ public:
+  /// @param grid may not be null; must not change while the view is in use
+  /// @param grown_by_m how far the occupied voxels of the grid have been grown already
+  explicit StateGridView(std::shared_ptr<const containers::StateGrid> grid, double grown_by_m = 0.0);
+
+  double resolution_m() const override { return grid_->resolution_m(); }
+  State state(const geometry::Index3& voxel) const override { return grid_->state(voxel); }
+  geometry::Aabb bounds() const override { return bounds_; }
+  const StateBlock* block(const geometry::Index3& block, StateBlock*) const override {
+    return grid_->find_block(block);
+  }
+  double grown_by_m() const override { return grown_by_m_; }
+
+ private:
+  std::shared_ptr<const containers::StateGrid> grid_;
+  double grown_by_m_;
+  geometry::Aabb bounds_;
+};
+
+/// Box of all blocks of a grid; empty when it has none.
+geometry::Aabb bounds_of(const containers::StateGrid& grid);
+
+}  // namespace voxnav::planning
