@@ -20,11 +20,12 @@ catkin_package(
 
 set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
 
-catkin_install_python(PROGRAMS
-  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/map_bag
-  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/planning_manager
-  ${CMAKE_CURRENT_SOURCE_DIR}/scripts/submap_optimizer
-  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+set(voxnav_programs planning_manager submap_optimizer map_bag)
+foreach(program ${voxnav_programs})
+  if(EXISTS ${PROJECT_SOURCE_DIR}/scripts/${program})
+    catkin_install_python(PROGRAMS scripts/${program} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  endif()
+endforeach()
 install(DIRECTORY launch config rviz tmux worlds DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 install(DIRECTORY include/ DESTINATION include)
