@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
 #include "floors.hpp"
+#include "voxnav/containers/grid_update.hpp"
 #include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav::bindings {
@@ -43,6 +44,53 @@ py::array_t<std::int8_t> states_at(const StateGrid& grid, const py::array& point
   return out;
 }
 
+/// Blocks as a message carries them; flat lists of integers, as rospy gives them, are accepted too.
+std::vector<std::int32_t> block_list(const py::object& indices, const char* name) {
+  const auto array = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>::ensure(indices);
+  if (!array) {
+    PyErr_Clear();
+    throw py::value_error(std::string(name) + " must be integers, x y z per block");
+  }
+  return {array.data(), array.data() + array.size()};
+}
+
+void apply_update(StateGrid& grid, const py::object& block_indices, const py::buffer& states, const py::object& removed,
+                  bool is_snapshot) {
+  const py::buffer_info bytes = states.request();
+  if (bytes.itemsize != 1) throw py::value_error("states must be bytes or a uint8 array");
+  containers::GridUpdate update;
+  update.is_snapshot = is_snapshot;
+  update.block_indices = block_list(block_indices, "block_indices");
+  update.removed_block_indices = block_list(removed, "removed");
+  const auto* data = static_cast<const std::uint8_t*>(bytes.ptr);
+  update.states.assign(data, data + bytes.size);
+  py::gil_scoped_release release;
+  containers::apply(update, &grid);
+}
+
+py::dict update_dict(containers::GridUpdate&& update) {
+  py::dict out;
+  out["is_snapshot"] = update.is_snapshot;
+  out["block_indices"] = array_from(std::move(update.block_indices), 3);
+  out["states"] = py::bytes(reinterpret_cast<const char*>(update.states.data()), update.states.size());
+  out["removed"] = array_from(std::move(update.removed_block_indices), 3);
+  return out;
+}
+
+py::array_t<float> centers(const StateGrid& grid, int state) {
+  if (state < 1 || state > 2) throw py::value_error("state must be 1 free or 2 occupied");
+  std::vector<float> out;
+  for (const geometry::Index3& index : grid.sorted_block_indices()) {
+    const containers::StateBlock* block = grid.find_block(index);
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      if (block->get(offset) != static_cast<State>(state)) continue;
+      const geometry::Vec3 p = geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m());
+      for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<float>(p[axis]));
+    }
+  }
+  return array_from(std::move(out), 3);
+}
+
 }  // namespace
 
 void bind_containers(py::module_& m) {
@@ -52,6 +100,17 @@ void bind_containers(py::module_& m) {
                   "Grid from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"
                   "origin: (3,) metres, lowest corner of voxel [0, 0, 0]; snapped to the grid.")
       .def("states", &states_at, py::arg("points"), "(n,) int8 states of (n, 3) float32 points [m].")
+      .def("apply_update", &apply_update, py::arg("block_indices"), py::arg("states"), py::arg("removed"),
+           py::arg("is_snapshot"),
+           "Apply a GridUpdate message.\n\n"
+           "block_indices, removed: (n, 3) or flat integers, x y z per block of 16^3 voxels; states: bytes or uint8,\n"
+           "1024 per block. Raises ValueError on lengths that do not match; the grid is then unchanged.")
+      .def(
+          "snapshot", [](const StateGrid& grid) { return update_dict(containers::snapshot_of(grid)); },
+          "Everything as a dict with the keywords of apply_update.")
+      .def("centers", &centers, py::arg("state"),
+           "(k, 3) float32 centres [m] of the voxels in a state (1 free, 2 occupied), in block order.")
+      .def_property_readonly("num_blocks", [](const StateGrid& grid) { return grid.blocks().size(); })
       .def_property_readonly("resolution_m", &StateGrid::resolution_m)
       .def_property_readonly("memory_bytes", &StateGrid::memory_bytes);
 }

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "voxnav/GridUpdate.h"
+#include "voxnav/base/time.hpp"
+#include "voxnav/containers/grid_update.hpp"
+
+namespace voxnav_ros {
+
+/// What a GridUpdate message says besides its blocks.
+struct GridUpdateHeader {
+  std::string frame_id;
+  voxnav::base::StampNs stamp_ns = 0;
+  std::uint32_t sequence = 0;
+  double resolution_m = 0.0;
+};
+
+voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
+
+/// Lengths and states are checked by containers::apply(), not here.
+voxnav::containers::GridUpdate from_msg(const voxnav::GridUpdate& msg);
+
+}  // namespace voxnav_ros
