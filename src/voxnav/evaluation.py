@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Trajectory errors against a reference."""
+
+import numpy as np
+
+
+class EvaluationError(ValueError):
+    """The two trajectories cannot be compared."""
+
+
+def interpolate_positions(stamps, reference_stamps, reference_positions):
+    """Reference positions at the given stamps; NaN rows outside the reference's time span. O(n log m)."""
+    out = np.full((len(stamps), 3), np.nan)
+    inside = (stamps >= reference_stamps[0]) & (stamps <= reference_stamps[-1])
+    for axis in range(3):
+        out[inside, axis] = np.interp(stamps[inside], reference_stamps, reference_positions[:, axis])
+    return out
+
+
+def align_se3(source, target):
+    """Rotation R and translation t that minimise sum |R source + t - target|^2.
+
+    source, target: (n, 3). Source: Umeyama, TPAMI 1991, without scale.
+    """
+    mean_source, mean_target = source.mean(axis=0), target.mean(axis=0)
+    covariance = (target - mean_target).T @ (source - mean_source)
+    U, _, Vt = np.linalg.svd(covariance)
+    D = np.diag([1.0, 1.0, np.sign(np.linalg.det(U @ Vt)) or 1.0])
+    R = U @ D @ Vt
+    return R, mean_target - R @ mean_source
+
+
+def absolute_trajectory_error(stamps, positions, reference_stamps, reference_positions, align=True):
+    """RMSE of positions in metres, after SE(3) alignment unless told otherwise.
+
+    Raises EvaluationError when fewer than three stamps lie inside the reference.
+    """
+    target = interpolate_positions(np.asarray(stamps), np.asarray(reference_stamps), np.asarray(reference_positions))
+    valid = np.all(np.isfinite(target), axis=1)
+    if valid.sum() < 3:
+        raise EvaluationError("only %d of %d poses lie inside the reference's time span" % (valid.sum(), len(stamps)))
+    source, target = np.asarray(positions)[valid], target[valid]
+    if align:
+        R, t = align_se3(source, target)
+        source = source @ R.T + t
+    return float(np.sqrt(np.mean(np.sum((source - target) ** 2, axis=1))))

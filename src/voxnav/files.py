@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plain file formats: TUM trajectories and PLY clouds."""
+
+import numpy as np
+
+
+def rotation_from_quaternion(q_xyzw):
+    """(4,) x y z w of any length > 0 -> (3, 3). Raises ValueError for a zero or non-finite quaternion."""
+    q = np.asarray(q_xyzw, dtype=np.float64)
+    norm = np.linalg.norm(q)
+    if not np.isfinite(norm) or norm < 1e-6:
+        raise ValueError("quaternion %s has no direction" % (q,))
+    x, y, z, w = q / norm
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ])
+
+
+def quaternion_from_rotation(R):
+    """(3, 3) -> (4,) x y z w with w >= 0. Source: Shepperd 1978."""
+    candidates = np.array([R[0, 0], R[1, 1], R[2, 2], np.trace(R)])
+    k = int(np.argmax(candidates))
+    if k == 3:
+        q = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], 1.0 + candidates[3]])
+    else:
+        i, j, l = k, (k + 1) % 3, (k + 2) % 3
+        q = np.empty(4)
+        q[i] = 1.0 + R[i, i] - R[j, j] - R[l, l]
+        q[j] = R[j, i] + R[i, j]
+        q[l] = R[l, i] + R[i, l]
+        q[3] = R[l, j] - R[j, l]
+    q /= np.linalg.norm(q)
+    return q if q[3] >= 0 else -q
+
+
+def pose_from_tum_row(row):
+    T = np.eye(4)
+    T[:3, :3] = rotation_from_quaternion(row[4:8])
+    T[:3, 3] = row[1:4]
+    return T
+
+
+def read_tum(path):
+    """Rows ``t x y z qx qy qz qw`` -> (stamps (n,) s, poses (n, 4, 4)). Raises ValueError naming file and line."""
+    stamps, poses = [], []
+    with open(path) as source:
+        for number, line in enumerate(source, 1):
+            line = line.split("#")[0].split()
+            if not line:
+                continue
+            try:
+                row = [float(word) for word in line]
+                if len(row) != 8 or not np.all(np.isfinite(row)):
+                    raise ValueError("needs eight finite numbers t x y z qx qy qz qw")
+                poses.append(pose_from_tum_row(row))
+            except ValueError as error:
+                raise ValueError("%s line %d: %s" % (path, number, error))
+            stamps.append(row[0])
+    if not stamps:
+        raise ValueError("%s holds no poses" % path)
+    if np.any(np.diff(stamps) <= 0):
+        raise ValueError("%s: time does not increase from row to row" % path)
+    return np.array(stamps), np.array(poses)
+
+
+def write_tum(path, stamps, poses):
+    """Nine decimals of time and position, so that equal runs give equal bytes."""
+    with open(path, "w") as out:
+        for stamp, T in zip(stamps, poses):
+            q = quaternion_from_rotation(T[:3, :3])
+            out.write("%.9f %s\n" % (stamp, " ".join("%.9f" % (v + 0.0) for v in (*T[:3, 3], *q))))
+
+
+def write_ply_points(path, points, colors=None):
+    """Binary PLY. points: (n, 3) float32 metres; colors: (n, 3) uint8 or None."""
+    points = np.ascontiguousarray(points, dtype="<f4").reshape(-1, 3)
+    fields = [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]
+    header = ["property float x", "property float y", "property float z"]
+    if colors is not None:
+        fields += [("red", "u1"), ("green", "u1"), ("blue", "u1")]
+        header += ["property uchar red", "property uchar green", "property uchar blue"]
+    rows = np.empty(len(points), dtype=fields)
+    for axis, name in enumerate("xyz"):
+        rows[name] = points[:, axis]
+    if colors is not None:
+        for channel, name in enumerate(("red", "green", "blue")):
+            rows[name] = colors[:, channel]
+    with open(path, "wb") as out:
+        out.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\n%s\nend_header\n"
+                   % (len(points), "\n".join(header))).encode("ascii"))
+        out.write(rows.tobytes())
