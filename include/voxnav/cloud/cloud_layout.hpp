@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxnav/base/time.hpp"
+
+namespace voxnav::cloud {
+
+/// Number types of a cloud field; the values are those of sensor_msgs/PointField.
+enum class FieldType : std::uint8_t {
+  kInt8 = 1,
+  kUint8 = 2,
+  kInt16 = 3,
+  kUint16 = 4,
+  kInt32 = 5,
+  kUint32 = 6,
+  kFloat32 = 7,
+  kFloat64 = 8
+};
+
+/// Bytes of one value; 0 for a number that is no type.
+std::size_t size_of(FieldType type);
+const char* name_of(FieldType type);
+
+struct CloudField {
+  std::string name;
+  std::uint32_t offset = 0;  ///< bytes from the start of the point; need not be aligned
+  FieldType type = FieldType::kFloat32;
+  std::uint32_t count = 1;  ///< 0 is read as 1, as common drivers mean it
+};
+
+/// How the bytes of a cloud are declared to be laid out (sensor_msgs/PointCloud2 without its header).
+struct CloudLayout {
+  std::uint32_t height = 1;
+  std::uint32_t width = 0;
+  std::uint32_t point_step = 0;  ///< bytes per point
+  std::uint32_t row_step = 0;    ///< bytes per row; 0 = width * point_step
+  bool is_big_endian = false;
+  std::vector<CloudField> fields;
+
+  std::uint64_t num_points() const { return static_cast<std::uint64_t>(height) * width; }
+  const CloudField* find(const std::string& name) const;
+  /// Why a buffer of `data_size` bytes cannot be read as this layout, in words for the user; empty when it can.
+  std::string problem(std::size_t data_size) const;
+};
+
+/// Where one scalar lies within a point.
+struct FieldAccess {
+  std::uint32_t offset = 0;
+  FieldType type = FieldType::kFloat32;
+};
+
+/// How the time field of a driver is to be read.
+enum class TimeUnit : std::uint8_t { kNanosecondsAfterStamp, kSecondsAfterStamp, kSecondsAbsolute };
+
+/// Field names and types of the usual drivers, resolved to byte positions:
+/// Ouster, Gazebo, Velodyne, LSLiDAR, Livox, Hesai and RoboSense.
+struct CloudAccess {
+  FieldAccess x, y, z;
+  std::optional<FieldAccess> intensity;  ///< intensity, else reflectivity
+  std::optional<FieldAccess> time;       ///< t, time, timestamp, time_stamp or offset_time
+  TimeUnit time_unit = TimeUnit::kNanosecondsAfterStamp;
+};
+
+/// A cloud read in place: the layout is checked once, the bytes are neither copied nor owned.
+class RawCloudView {
+ public:
+  /// @param data  at least row_step * height bytes; must outlive the view; may be null when there are no points
+  /// @throws std::invalid_argument with the text of CloudLayout::problem()
+  RawCloudView(const CloudLayout& layout, const std::uint8_t* data, std::size_t data_size, base::StampNs stamp_ns = 0);
+
+  std::uint32_t height() const { return height_; }
+  std::uint32_t width() const { return width_; }
+  std::uint32_t point_step() const { return point_step_; }
+  bool is_organised() const { return height_ > 1; }
+  std::uint64_t num_points() const { return static_cast<std::uint64_t>(height_) * width_; }
+  base::StampNs stamp_ns() const { return stamp_ns_; }
+  const CloudAccess& access() const { return access_; }
+  const std::uint8_t* row(std::uint32_t index) const { return data_ + index * row_step_; }
+
+ private:
+  std::uint32_t height_;
+  std::uint32_t width_;
+  std::uint32_t point_step_;
+  std::size_t row_step_;
+  base::StampNs stamp_ns_;
+  CloudAccess access_;
+  const std::uint8_t* data_;
+};
+
+/// One value of any type as a double (exact for every type a field can have).
+double read_number(const std::uint8_t* point, const FieldAccess& field);
+
+}  // namespace voxnav::cloud
