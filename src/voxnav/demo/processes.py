@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Starting roslaunch, rviz and a virtual screen, and making sure that they end."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import time
+
+
+def free_port():
+    """A TCP port nobody listens on now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Process:
+    """A child in a process group of its own; stop() ends the whole group."""
+
+    def __init__(self, command, log_path=None, env=None):
+        self.command = command
+        self._log = open(log_path, "w") if log_path else subprocess.DEVNULL
+        self._process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT, env=env,
+                                         stdin=subprocess.DEVNULL, start_new_session=True)
+
+    def is_running(self):
+        return self._process.poll() is None
+
+    def stop(self, timeout_s=20.0):
+        for sig, patience in ((signal.SIGINT, timeout_s), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0)):
+            try:
+                os.killpg(self._process.pid, sig)
+            except ProcessLookupError:
+                break
+            try:
+                self._process.wait(patience)
+                break
+            except subprocess.TimeoutExpired:
+                continue
+        if self._log is not subprocess.DEVNULL:
+            self._log.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stop()
+
+
+def launch(launch_file, arguments, log_path):
+    """roslaunch on a private master. Returns (process, environment for further nodes)."""
+    port = free_port()
+    env = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1")
+    env.pop("ROS_HOSTNAME", None)
+    command = ["roslaunch", "-p", str(port), "voxnav", launch_file]
+    command += ["%s:=%s" % item for item in arguments.items()]
+    return Process(command, log_path, env), env
+
+
+def virtual_screen(size="1600x1000x24"):
+    """A running Xvfb and its display name, or (None, None) when Xvfb is not installed."""
+    if shutil.which("Xvfb") is None:
+        return None, None
+    for number in range(90, 130):
+        if os.path.exists("/tmp/.X11-unix/X%d" % number) or os.path.exists("/tmp/.X%d-lock" % number):
+            continue
+        display = ":%d" % number
+        screen = Process(["Xvfb", display, "-screen", "0", size, "-nolisten", "tcp"])
+        deadline = time.monotonic() + 10.0
+        while time.monotonic() < deadline and screen.is_running():
+            if os.path.exists("/tmp/.X11-unix/X%d" % number):
+                return screen, display
+            time.sleep(0.05)
+        screen.stop()
+    return None, None
+
+
+def screenshot(display, path):
+    """Picture of a whole screen. Returns False when it could not be taken."""
+    if shutil.which("import") is None:
+        return False
+    result = subprocess.run(["import", "-display", display, "-window", "root", path], timeout=60,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return result.returncode == 0 and os.path.exists(path)

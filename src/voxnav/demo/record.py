@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is remembered of a flight; plain data, filled by ``voxnav.nodes.flight_recorder``."""
+
+import numpy as np
+
+
+class Track:
+    """Stamped positions that only grow."""
+
+    def __init__(self):
+        self._stamps, self._positions = [], []
+
+    def add(self, stamp, position):
+        if not self._stamps or stamp > self._stamps[-1]:
+            self._stamps.append(stamp)
+            self._positions.append(position)
+
+    def arrays(self):
+        """(stamps (n,), positions (n, 3))."""
+        return np.array(self._stamps), np.array(self._positions).reshape(-1, 3)
+
+
+class FlightRecord:
+    """Unmeasured values are None."""
+
+    def __init__(self, world, seed):
+        self.world, self.seed = world, seed
+        self.reached, self.reason = False, "the flight did not begin"
+        self.goal = None
+        self.min_clearance_m = None
+        self.real_time_factor = None
+        self.truth_track, self.odometry_track = Track(), Track()
+        self.optimised = (np.empty(0), np.empty((0, 3)))
+        self.mission = None
+        self.stages, self.rss_mb = {}, {}
+        self.obstacle_points = np.empty((0, 3))
+        self.occupied_points = np.empty((0, 3))
+        self.plans = []
+
+    @property
+    def truth(self):
+        return self.truth_track.arrays()
+
+    @property
+    def odometry(self):
+        return self.odometry_track.arrays()
+
+    def truth_during_mission(self):
+        """From the goal's arrival to the end of the mission."""
+        stamps, positions = self.truth
+        if self.mission is None or not len(stamps):
+            return np.empty(0), np.empty((0, 3))
+        inside = (stamps >= self.mission[0]) & (stamps <= self.mission[1])
+        return stamps[inside], positions[inside]

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a flight was like, as numbers: ``summary.json`` and the table on the terminal."""
+
+import json
+
+import numpy as np
+
+from voxnav import evaluation
+
+
+def path_length(positions):
+    """Length of a polyline in metres. positions: (n, 3)."""
+    positions = np.asarray(positions)
+    return float(np.sum(np.linalg.norm(np.diff(positions, axis=0), axis=1))) if len(positions) > 1 else 0.0
+
+
+def trajectory_error(track, truth):
+    """RMSE after SE(3) alignment of (stamps, positions) against truth; None where it cannot be computed."""
+    if len(track[0]) < 3 or len(truth[0]) < 3:
+        return None
+    try:
+        return evaluation.absolute_trajectory_error(track[0], track[1], truth[0], truth[1])
+    except evaluation.EvaluationError:
+        return None
+
+
+def summarise(record):
+    """record: voxnav.demo.record.FlightRecord -> dict as DESIGN section 7 names it. Unmeasured fields are None."""
+    flown = record.truth_during_mission()
+    return {
+        "reached": record.reached,
+        "reason": record.reason,
+        "min_clearance_m": record.min_clearance_m,
+        "path_length_m": path_length(flown[1]),
+        "straight_m": float(np.linalg.norm(flown[1][-1] - flown[1][0])) if len(flown[1]) else None,
+        "flight_s": float(flown[0][-1] - flown[0][0]) if len(flown[0]) else None,
+        "real_time_factor": record.real_time_factor,
+        "ate_odometry_m": trajectory_error(record.odometry, record.truth),
+        "ate_optimised_m": trajectory_error(record.optimised, record.truth),
+        "stages": record.stages,
+        "rss_mb": record.rss_mb,
+        "seed": record.seed,
+        "world": record.world,
+    }
+
+
+def write_json(path, summary):
+    with open(path, "w") as out:
+        json.dump(summary, out, indent=2, sort_keys=True)
+        out.write("\n")
+
+
+def _number(value, pattern="%.2f", unit=""):
+    return "not measured" if value is None else pattern % value + unit
+
+
+def table(summary):
+    """The summary as text for a person."""
+    lines = ["", "goal reached            %s (%s)" % ("yes" if summary["reached"] else "NO", summary["reason"]),
+             "true minimum clearance  " + _number(summary["min_clearance_m"], unit=" m")]
+    if summary["straight_m"]:
+        lines.append("path / straight line    %.1f m / %.1f m = %.2f" % (
+            summary["path_length_m"], summary["straight_m"], summary["path_length_m"] / summary["straight_m"]))
+    lines += ["flight time             " + _number(summary["flight_s"], "%.1f", " s"),
+              "real-time factor        " + _number(summary["real_time_factor"]),
+              "trajectory error        odometry %s, optimised %s (RMSE, SE(3)-aligned)" % (
+                  _number(summary["ate_odometry_m"], unit=" m"), _number(summary["ate_optimised_m"], unit=" m")),
+              "", "%-42s %8s %8s %8s %8s %8s %8s" % ("stage", "calls", "mean ms", "p99 ms", "max ms", "cpu ms", "dropped")]
+    for name in sorted(summary["stages"]):
+        s = summary["stages"][name]
+        lines.append("%-42s %8d %8.2f %8.2f %8.2f %8.2f %8d" % (
+            name, s["count"], s["mean_ms"], s["p99_ms"], s["max_ms"], s["cpu_ms"], s["dropped"]))
+    lines += ["", "%-42s %8s" % ("process of node", "RSS MB")]
+    lines += ["%-42s %8.0f" % item for item in sorted(summary["rss_mb"].items())]
+    return "\n".join(lines)
