@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Flies one mission (take off, go to a goal) and remembers what happened."""
+
+import threading
+import time
+
+import numpy as np
+import rospy
+from mrs_msgs.msg import ControlManagerDiagnostics
+from mrs_msgs.srv import ReferenceStampedSrv, ReferenceStampedSrvRequest
+from nav_msgs.msg import Odometry, Path
+from sensor_msgs.msg import PointCloud2
+from std_srvs.srv import Trigger
+
+from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus
+from voxnav.nodes.clouds import points_from_msg
+
+NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer",
+         "planning_manager")
+
+
+class MissionError(RuntimeError):
+    """The mission could not go on; the text says why."""
+
+
+class FlightRecorder:
+    """Subscribes below the UAV's namespace and fills a voxnav.demo.record.FlightRecord."""
+
+    def __init__(self, record):
+        self.record = record
+        self._lock = threading.Lock()
+        self._nodes, self._status, self._control = {}, None, None
+        self._clouds = {}
+        rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_odometry(record.truth_track), queue_size=50)
+        rospy.Subscriber("estimation_manager/odom_main", Odometry, self._on_odometry(record.odometry_track),
+                         queue_size=50)
+        rospy.Subscriber("submap_optimizer/trajectory", Path, self._on_trajectory, queue_size=1)
+        rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=10)
+        rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
+        rospy.Subscriber("control_manager/diagnostics", ControlManagerDiagnostics, self._on_control, queue_size=5)
+        for name in ("local_mapper/occupied", "submap_integrator/obstacle_cloud"):
+            rospy.Subscriber(name, PointCloud2, self._on_cloud, callback_args=name, queue_size=1)
+        for node in NODES:
+            rospy.Subscriber(node + "/diagnostics", NodeDiagnostics, self._on_diagnostics, queue_size=2)
+
+    def _on_odometry(self, track):
+        def callback(msg):
+            p = msg.pose.pose.position
+            with self._lock:
+                track.add(msg.header.stamp.to_sec(), (p.x, p.y, p.z))
+        return callback
+
+    def _on_trajectory(self, msg):
+        stamps = np.array([pose.header.stamp.to_sec() for pose in msg.poses])
+        positions = np.array([(p.pose.position.x, p.pose.position.y, p.pose.position.z) for p in msg.poses])
+        with self._lock:
+            self.record.optimised = (stamps, positions.reshape(-1, 3))
+
+    def _on_clearance(self, msg):
+        with self._lock:
+            if self.record.mission is not None:
+                known = self.record.min_clearance_m
+                self.record.min_clearance_m = msg.clearance_m if known is None else min(known, msg.clearance_m)
+
+    def _on_status(self, msg):
+        with self._lock:
+            if self._status is None or self._status.reason != msg.reason:
+                rospy.loginfo("planning manager: %s", msg.reason)
+            self._status = msg
+
+    def _on_control(self, msg):
+        with self._lock:
+            self._control = msg
+
+    def _on_cloud(self, msg, name):
+        with self._lock:
+            self._clouds[name] = msg
+
+    def _on_diagnostics(self, msg):
+        with self._lock:
+            self._nodes[msg.node] = msg
+
+    def _wait(self, condition, timeout_s, what):
+        """Wait in wall time for condition() to be true. Raises MissionError naming what was awaited."""
+        deadline = time.monotonic() + timeout_s
+        while not rospy.is_shutdown():
+            with self._lock:
+                if condition():
+                    return
+            if time.monotonic() > deadline:
+                raise MissionError("waited %.0f s in vain for %s" % (timeout_s, what))
+            time.sleep(0.05)
+        raise MissionError("interrupted while waiting for %s" % what)
+
+    def wait_for_nodes(self, timeout_s):
+        try:
+            self._wait(lambda: all(node in self._nodes for node in NODES), timeout_s, "nodes")
+        except MissionError as error:
+            missing = [node for node in NODES if node not in self._nodes]
+            raise MissionError("%s: not heard %s" % (error, ", ".join(missing)))
+
+    def take_off(self, timeout_s):
+        rospy.wait_for_service("uav_manager/takeoff", timeout_s)
+        response = rospy.ServiceProxy("uav_manager/takeoff", Trigger)()
+        if not response.success:
+            raise MissionError("take-off refused: " + response.message)
+        self._wait(lambda: self._control is not None and self._control.flying_normally, timeout_s, "take-off")
+
+    def fly_to(self, frame, goal, timeout_s):
+        """Send the goal and wait until it is reached or given up."""
+        request = ReferenceStampedSrvRequest()
+        request.header.frame_id = frame
+        request.reference.position.x, request.reference.position.y, request.reference.position.z = goal
+        self.record.goal = tuple(goal)
+        rospy.wait_for_service("planning_manager/reference", timeout_s)
+        with self._lock:
+            start = self._newest_truth()
+            self.record.mission = (start, float("inf"))
+        response = rospy.ServiceProxy("planning_manager/reference", ReferenceStampedSrv)(request)
+        if not response.success:
+            raise MissionError("goal refused: " + response.message)
+        self._wait(lambda: self._status is not None and self._status.has_goal, 10.0, "the planner to take the goal")
+        try:
+            self._wait(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
+        finally:
+            with self._lock:
+                self.record.mission = (start, self._newest_truth())
+                self.record.reached = bool(self._status.is_goal_reached)
+                self.record.reason = self._status.reason
+
+    def _newest_truth(self):
+        stamps, _ = self.record.truth_track.arrays()
+        return float(stamps[-1]) if len(stamps) else 0.0
+
+    def optimise(self, timeout_s):
+        """Ask for a last solve, so that the whole flight is in the map."""
+        try:
+            rospy.wait_for_service("submap_optimizer/optimize", timeout_s)
+            rospy.ServiceProxy("submap_optimizer/optimize", Trigger)()
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            rospy.logwarn("no final optimisation: %s", error)
+
+    def finish(self):
+        """Copy the newest diagnostics and clouds into the record."""
+        with self._lock:
+            nodes, clouds = dict(self._nodes), dict(self._clouds)
+        for node, msg in nodes.items():
+            self.record.rss_mb[node] = msg.rss_bytes / 1e6
+            for stage in msg.stages:
+                fields = ("mean_ms", "p99_ms", "max_ms", "cpu_ms", "dropped", "count", "latency_mean_ms",
+                          "latency_p99_ms")
+                self.record.stages[node + "/" + stage.name] = {f: getattr(stage, f) for f in fields}
+            counters = dict(zip(msg.counter_names, msg.counter_values))
+            if node == "uav_simulator":
+                self.record.real_time_factor = counters.get("real_time_factor")
+        if "submap_integrator/obstacle_cloud" in clouds:
+            self.record.obstacle_points = points_from_msg(clouds["submap_integrator/obstacle_cloud"])
+        if "local_mapper/occupied" in clouds:
+            self.record.occupied_points = points_from_msg(clouds["local_mapper/occupied"])
