@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``make demo``: one flight through a simulated world, from nothing to a summary and pictures."""
+
+import argparse
+import os
+import sys
+import time
+
+from voxnav.demo import processes, summary
+from voxnav.demo.record import FlightRecord
+
+WALL_LIMIT_S = 600.0
+
+
+def arguments(argv):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--world", default="forest", help="name of a file in worlds/ (forest, meadow, firetruck)")
+    parser.add_argument("--seed", type=int, default=1, help="of world and sensor noise")
+    parser.add_argument("--out", default="build/demo", help="folder for summary.json and the pictures")
+    parser.add_argument("--lockstep", action="store_true", help="results independent of the machine's load")
+    parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second")
+    parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
+    return parser.parse_args(argv)
+
+
+def fly(args, env, record):
+    """The mission itself; whatever stops it ends up in record.reason."""
+    os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
+    import rospy
+
+    from voxnav.demo import mission
+    from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
+
+    deadline = time.monotonic() + 30.0
+    while not _master_is_up(env["ROS_MASTER_URI"]) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    rospy.init_node("demo", argv=["demo", "__ns:=/uav1"], disable_signals=True)
+    recorder = FlightRecorder(record)
+    try:
+        mission.run(recorder, args.world)
+    except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
+        record.reason = str(error)
+    recorder.finish()
+
+
+def _master_is_up(uri):
+    import xmlrpc.client
+
+    try:
+        xmlrpc.client.ServerProxy(uri).getPid("/demo")
+        return True
+    except (OSError, xmlrpc.client.Error):
+        return False
+
+
+def rviz_picture(env, config, path):
+    """Screenshot of rviz on the present screen, or on a virtual one. Returns what could not be done, or ''."""
+    screen, display = None, os.environ.get("DISPLAY")
+    if not display:
+        screen, display = processes.virtual_screen()
+        if not display:
+            return "no display and no Xvfb: no rviz picture"
+    rviz_env = dict(env, DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
+    log = os.path.splitext(path)[0] + ".log"
+    with processes.Process(["rviz", "-d", config], log, rviz_env):
+        # Software rendering needs a while until maps and markers, sent once or every few seconds, are on screen.
+        time.sleep(25.0)
+        taken = processes.screenshot(display, path)
+    if screen:
+        screen.stop()
+    return "" if taken else "the rviz picture could not be taken, see %s" % log
+
+
+def main(argv=None):
+    args = arguments(argv)
+    os.makedirs(args.out, exist_ok=True)
+    record = FlightRecord(args.world, args.seed)
+    log = os.path.join(args.out, "roslaunch.log")
+    started = time.monotonic()
+    launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
+                   "lockstep": str(args.lockstep).lower()}
+    print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
+    launched, env = processes.launch("simulation.launch", launch_args, log)
+    try:
+        fly(args, env, record)
+        notes = _pictures(args, env, record)
+    finally:
+        launched.stop()
+    result = summary.summarise(record)
+    summary.write_json(os.path.join(args.out, "summary.json"), result)
+    print(summary.table(result))
+    for note in notes:
+        print("note: " + note)
+    print("\npictures and summary.json in %s (%.0f s)" % (args.out, time.monotonic() - started))
+    if not record.reached:
+        print("demo: NOT reached: %s\nthe nodes' logs: %s" % (record.reason, log), file=sys.stderr)
+    return 0 if record.reached else 1
+
+
+def _pictures(args, env, record):
+    from voxnav.demo import mission, pictures
+
+    pictures.top_view(os.path.join(args.out, "top_view.png"), record, mission.trunks(args.world, args.seed))
+    if args.no_rviz:
+        return []
+    note = rviz_picture(env, mission.package_file("rviz/planning.rviz"), os.path.join(args.out, "rviz.png"))
+    return [note] if note else []
