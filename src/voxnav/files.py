@@ -25,12 +25,12 @@ def quaternion_from_rotation(R):
     if k == 3:
         q = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], 1.0 + candidates[3]])
     else:
-        i, j, l = k, (k + 1) % 3, (k + 2) % 3
+        i, j, m = k, (k + 1) % 3, (k + 2) % 3
         q = np.empty(4)
-        q[i] = 1.0 + R[i, i] - R[j, j] - R[l, l]
+        q[i] = 1.0 + R[i, i] - R[j, j] - R[m, m]
         q[j] = R[j, i] + R[i, j]
-        q[l] = R[l, i] + R[i, l]
-        q[3] = R[l, j] - R[j, l]
+        q[m] = R[m, i] + R[i, m]
+        q[3] = R[m, j] - R[j, m]
     q /= np.linalg.norm(q)
     return q if q[3] >= 0 else -q
 

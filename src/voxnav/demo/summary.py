@@ -65,7 +65,9 @@ def table(summary):
               "real-time factor        " + _number(summary["real_time_factor"]),
               "trajectory error        odometry %s, optimised %s (RMSE, SE(3)-aligned)" % (
                   _number(summary["ate_odometry_m"], unit=" m"), _number(summary["ate_optimised_m"], unit=" m")),
-              "", "%-42s %8s %8s %8s %8s %8s %8s" % ("stage", "calls", "mean ms", "p99 ms", "max ms", "cpu ms", "dropped")]
+              "",
+              "%-42s %8s %8s %8s %8s %8s %8s" % (
+                  "stage", "calls", "mean ms", "p99 ms", "max ms", "cpu ms", "dropped")]
     for name in sorted(summary["stages"]):
         s = summary["stages"][name]
         lines.append("%-42s %8d %8.2f %8.2f %8.2f %8.2f %8d" % (
