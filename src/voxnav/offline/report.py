@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``report.html``: one file with the pictures inside, so that it can be sent to somebody."""
+
+import base64
+import html
+import io
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+_STYLE = """body{font-family:sans-serif;max-width:1100px;margin:2em auto;color:#222}
+table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;border-bottom:1px solid #ddd}
+td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
+
+
+def _image(figure):
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=100, bbox_inches="tight")
+    plt.close(figure)
+    return '<img src="data:image/png;base64,%s">' % base64.b64encode(buffer.getvalue()).decode("ascii")
+
+
+def map_figure(occupied, odometry, optimised, reference=None):
+    """Map from above, coloured by height, with the trajectories. occupied: (n, 3) metres."""
+    figure, axes = plt.subplots(figsize=(12, 8))
+    if len(occupied):
+        points = occupied[np.argsort(occupied[:, 2])]
+        low, high = np.percentile(points[:, 2], [2, 98])
+        image = axes.scatter(points[:, 0], points[:, 1], c=points[:, 2], s=1.5, cmap="viridis", vmin=low,
+                             vmax=max(high, low + 1e-3), linewidths=0)
+        figure.colorbar(image, ax=axes, label="height [m]", shrink=0.7)
+    for track, colour, label in ((odometry, "tab:orange", "odometry"), (optimised, "tab:red", "optimised"),
+                                 (reference, "black", "reference")):
+        if track is not None and len(track):
+            axes.plot(track[:, 0], track[:, 1], color=colour, linewidth=1.5, label=label)
+    axes.set_aspect("equal")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.legend(loc="best")
+    return figure
+
+
+def stage_figure(stages):
+    """Mean and p99 of every stage."""
+    names = sorted(stages)
+    figure, axes = plt.subplots(figsize=(10, 0.5 * len(names) + 1.5))
+    rows = np.arange(len(names))
+    axes.barh(rows + 0.2, [stages[n]["mean_ms"] for n in names], height=0.4, label="mean")
+    axes.barh(rows - 0.2, [stages[n]["p99_ms"] for n in names], height=0.4, label="p99")
+    axes.set_yticks(rows)
+    axes.set_yticklabels(names)
+    axes.set_xlabel("time per call [ms]")
+    axes.set_xscale("symlog", linthresh=1.0)
+    axes.grid(axis="x", alpha=0.3)
+    axes.legend()
+    return figure
+
+
+def memory_figure(memory):
+    """Memory over time. memory: list of dicts with time_s and *_mb."""
+    figure, axes = plt.subplots(figsize=(10, 3.5))
+    times = [row["time_s"] for row in memory]
+    for key in sorted(memory[0]):
+        if key.endswith("_mb"):
+            axes.plot(times, [row[key] for row in memory], label=key[:-3].replace("_", " "))
+    axes.set_xlabel("time in the recording [s]")
+    axes.set_ylabel("MB")
+    axes.grid(alpha=0.3)
+    axes.legend()
+    return figure
+
+
+def _table(rows, header):
+    cells = "".join("<th>%s</th>" % html.escape(name) for name in header)
+    body = "".join("<tr>%s</tr>" % "".join("<td>%s</td>" % html.escape(str(cell)) for cell in row) for row in rows)
+    return "<table><tr>%s</tr>%s</table>" % (cells, body)
+
+
+def write_report(path, title, metrics, occupied, odometry, optimised, reference=None):
+    """metrics: what metrics.json holds."""
+    stages = metrics["stages"]
+    columns = ("count", "mean_ms", "median_ms", "p99_ms", "max_ms", "cpu_ms", "dropped")
+    rows = [[name] + ["%.2f" % s[c] if isinstance(s[c], float) else s[c] for c in columns]
+            for name, s in sorted(stages.items())]
+    counts = [[key, value] for key, value in sorted(metrics["counts"].items())]
+    errors = [[key, "%.3f m" % value] for key, value in sorted(metrics.get("errors", {}).items())]
+    parts = ["<!doctype html><meta charset='utf-8'><title>%s</title><style>%s</style>" % (html.escape(title), _STYLE),
+             "<h1>%s</h1>" % html.escape(title), "<h2>Map and trajectory</h2>",
+             _image(map_figure(occupied, odometry, optimised, reference))]
+    if errors:
+        parts += ["<h2>Trajectory error</h2>", _table(errors, ("RMSE", "value"))]
+    parts += ["<h2>Time of every stage</h2>", _table(rows, ("stage",) + columns)]
+    if stages:
+        parts.append(_image(stage_figure(stages)))
+    if metrics["memory"]:
+        parts += ["<h2>Memory</h2>", _image(memory_figure(metrics["memory"]))]
+    parts += ["<h2>Counts</h2>", _table(counts, ("what", "number"))]
+    if metrics["warnings"]:
+        parts += ["<h2>Warnings</h2><ul>"] + ["<li>%s</li>" % html.escape(w) for w in metrics["warnings"]] + ["</ul>"]
+    with open(path, "w") as out:
+        out.write("\n".join(parts))
