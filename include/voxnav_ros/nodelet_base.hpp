@@ -18,6 +18,7 @@ namespace voxnav_ros {
 /// A nodelet with unusable parameters logs every problem and is not loaded.
 class NodeletBase : public nodelet::Nodelet {
  protected:
+  /// @param node  class name, the prefix of log lines (as MRS nodes have it)
   explicit NodeletBase(std::string node) : node_(std::move(node)) {}
 
   /// Load parameters, build the core object, advertise; subscribe last.
@@ -33,6 +34,7 @@ class NodeletBase : public nodelet::Nodelet {
   void onInit() final;
 
   std::string node_;
+  std::string name_;  ///< of the ROS node, without its namespace: who diagnostics and progress speak for
   std::unique_ptr<Diagnostics> diagnostics_;
   ros::Publisher progress_;
 };

@@ -5,7 +5,8 @@ namespace voxnav_ros {
 
 void NodeletBase::onInit() {
   ros::NodeHandle& nh = getMTPrivateNodeHandle();
-  diagnostics_ = std::make_unique<Diagnostics>(node_, nh);
+  name_ = getName().substr(getName().rfind('/') + 1);
+  diagnostics_ = std::make_unique<Diagnostics>(name_, nh);
   progress_ = nh.advertise<voxnav::Progress>("progress_out", 50);
   try {
     initialize();
@@ -18,7 +19,7 @@ void NodeletBase::onInit() {
 
 void NodeletBase::publish_progress(const ros::Time& stamp) {
   voxnav::Progress progress;
-  progress.node = node_;
+  progress.node = name_;
   progress.stamp = stamp;
   progress_.publish(progress);
 }
