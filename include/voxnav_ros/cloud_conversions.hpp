@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <vector>
+
+#include "voxnav/cloud/cloud_layout.hpp"
+#include "voxnav/cloud/point.hpp"
+
+namespace voxnav_ros {
+
+voxnav::cloud::CloudLayout layout_of(const sensor_msgs::PointCloud2& msg);
+
+/// A view into the message, which must outlive it.
+/// @throws std::invalid_argument saying what is wrong with the message
+voxnav::cloud::RawCloudView view_of(const sensor_msgs::PointCloud2& msg);
+
+/// Cloud of one row with the fields x y z intensity float32 and t uint32 (ns after the stamp).
+sensor_msgs::PointCloud2Ptr to_msg(const std::vector<voxnav::cloud::Point>& points, const std_msgs::Header& header);
+
+}  // namespace voxnav_ros

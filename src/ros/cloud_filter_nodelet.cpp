@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pluginlib/class_list_macros.h>
+
+#include "voxnav/cloud/cloud_filter.hpp"
+#include "voxnav_ros/cloud_conversions.hpp"
+#include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/nodelet_base.hpp"
+
+namespace voxnav_ros {
+namespace {
+
+constexpr double kLogPeriod_s = 5.0;
+
+std::string describe(const voxnav::cloud::FilterCounts& counts) {
+  std::string out;
+  for (const auto& [name, value] : counts.reasons()) {
+    if (value > 0) out += (out.empty() ? "" : ", ") + std::to_string(value) + " " + name;
+  }
+  return out;
+}
+
+}  // namespace
+
+/// Raw cloud in, surroundings out. Messages on one topic arrive one at a time, so no mutex is needed.
+class CloudFilterNodelet : public NodeletBase {
+ public:
+  CloudFilterNodelet() : NodeletBase("CloudFilter") {}
+
+ private:
+  void initialize() override {
+    voxnav::cloud::CloudFilterConfig config;
+    ParamLoader params(getPrivateNodeHandle());
+    params.section("filter", &config);
+    params.finish();
+    filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
+    ros::NodeHandle& nh = getPrivateNodeHandle();
+    points_ = nh.advertise<sensor_msgs::PointCloud2>("points_out", 5);
+    rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
+    far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
+    topic_ = nh.resolveName("cloud_in");
+    cloud_ = nh.subscribe("cloud_in", 5, &CloudFilterNodelet::on_cloud, this, ros::TransportHints().tcpNoDelay());
+  }
+
+  void on_cloud(const sensor_msgs::PointCloud2ConstPtr& msg) {
+    note_time(msg->header.stamp);
+    try {
+      if (msg->header.frame_id.empty()) throw std::invalid_argument("frame_id is empty");
+      const voxnav::cloud::RawCloudView view = view_of(*msg);
+      {
+        const auto timer = diagnostics().time("filter");
+        filter_->apply(view, &result_);
+      }
+      publish(*msg);
+      report();
+    } catch (const std::exception& error) {
+      refuse(error.what());
+    }
+    diagnostics().add_latency("filter", msg->header.stamp);
+    publish_progress(msg->header.stamp);
+  }
+
+  void publish(const sensor_msgs::PointCloud2& msg) {
+    std_msgs::Header header = msg.header;
+    header.stamp = to_ros(to_ns(msg.header.stamp) + result_.sweep_start_ns);
+    points_.publish(to_msg(result_.points, header));
+    if (rejected_.getNumSubscribers() > 0) rejected_.publish(to_msg(result_.ghosts, header));
+    if (far_.getNumSubscribers() > 0) far_.publish(to_msg(result_.far, header));
+  }
+
+  void report() {
+    total_ += result_.counts;
+    num_bad_times_ += result_.num_bad_times;
+    for (const auto& [name, value] : total_.reasons()) {
+      diagnostics().set_counter(std::string("points_") + name, static_cast<double>(value));
+    }
+    diagnostics().set_counter("point_times_refused", static_cast<double>(num_bad_times_));
+    diagnostics().set_counter("ghost_filter_suspended", result_.is_ghost_filter_suspended ? 1.0 : 0.0);
+    if (result_.counts.total > 0 && result_.counts.kept == 0) {
+      warn("no point of a cloud on " + topic_ + " was kept: " + describe(result_.counts));
+    } else if (result_.is_ghost_filter_suspended) {
+      warn("no return on " + topic_ + " has any intensity: the ghost filter is suspended");
+    } else {
+      diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    }
+  }
+
+  void refuse(const std::string& reason) {
+    ++num_refused_;
+    diagnostics().add_dropped("filter");
+    diagnostics().set_counter("clouds_refused", static_cast<double>(num_refused_));
+    const std::string text = "cloud on " + topic_ + " refused: " + reason;
+    diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, text);
+    NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
+  }
+
+  void warn(const std::string& text) {
+    diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
+    NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
+  }
+
+  void note_time(const ros::Time& stamp) {
+    if (stamp < last_stamp_) {
+      ++num_time_jumps_;
+      NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: time on " << topic_ << " jumped back from "
+                                                     << last_stamp_ << " to " << stamp);
+    }
+    last_stamp_ = stamp;
+    diagnostics().set_counter("time_jumps_back", static_cast<double>(num_time_jumps_));
+  }
+
+  std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
+  voxnav::cloud::FilterResult result_;
+  voxnav::cloud::FilterCounts total_;
+  std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
+  ros::Time last_stamp_;
+  std::string topic_;
+  ros::Publisher points_, rejected_, far_;
+  ros::Subscriber cloud_;
+};
+
+}  // namespace voxnav_ros
+
+PLUGINLIB_EXPORT_CLASS(voxnav_ros::CloudFilterNodelet, nodelet::Nodelet)
