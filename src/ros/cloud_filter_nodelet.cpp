@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pluginlib/class_list_macros.h>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "voxnav/cloud/cloud_filter.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
