@@ -2,13 +2,17 @@
 #include <memory>
 
 #include "arrays.hpp"
+#include "bind_config.hpp"
 #include "floors.hpp"
-#include "voxnav/planning/occupancy_view.hpp"
+#include "point_lists.hpp"
+#include "views.hpp"
+#include "voxnav/planning/a_star.hpp"
+#include "voxnav/planning/corridor.hpp"
 
 namespace voxnav::bindings {
 namespace {
 
-using planning::OccupancyView;
+using namespace planning;  // NOLINT: this file binds that namespace
 
 py::array_t<std::int8_t> states_at(const OccupancyView& view, const py::array& points) {
   const float* data = data_of<float>(points, "points", {-1, 3});
@@ -16,11 +20,62 @@ py::array_t<std::int8_t> states_at(const OccupancyView& view, const py::array& p
   py::array_t<std::int8_t> out(n);
   for (py::ssize_t i = 0; i < n; ++i) {
     const geometry::Vec3 p(data[3 * i], data[3 * i + 1], data[3 * i + 2]);
-    const bool near = ((p.array().abs() / view.resolution_m()) < 1073741824.0).all();
-    const auto state = near ? view.state(geometry::index_of(p, view.resolution_m())) : containers::State::kUnknown;
+    const bool is_near = ((p.array().abs() / view.resolution_m()) < 1073741824.0).all();
+    const State state = is_near ? view.state(geometry::index_of(p, view.resolution_m())) : State::kUnknown;
     out.mutable_data()[i] = static_cast<std::int8_t>(state);
   }
   return out;
+}
+
+PlanResult plan(const AStarPlanner& planner, const py::object& map, const py::object& start, const py::object& goal) {
+  const auto view = view_of(map, planner.config().safety_distance_m);
+  const geometry::Vec3 start_point = vec3_of(start, "start");
+  const geometry::Vec3 goal_point = vec3_of(goal, "goal");
+  py::gil_scoped_release release;
+  return planner.plan(*view, start_point, goal_point);
+}
+
+CorridorResult corridor(const py::object& map, const py::array& points, double radius_m, bool allow_unknown) {
+  const auto view = view_of(map, 0.0);
+  const std::vector<geometry::Vec3> line = points_of(points, "points");
+  const CorridorRule rule = allow_unknown ? CorridorRule::kNotOccupied : CorridorRule::kKnownFreeOnly;
+  py::gil_scoped_release release;
+  return check_corridor(*view, line, radius_m, rule);
+}
+
+void bind_plan_result(py::module_& m) {
+  py::class_<PlanResult>(m, "PlanResult", "What a search found, and why it ended.")
+      .def_property_readonly(
+          "status", [](const PlanResult& r) { return to_string(r.status); },
+          "complete, partial_timeout, partial_limit, partial_blocked, no_path, start_blocked, start_unknown,\n"
+          "goal_blocked, goal_unknown, outside_map or invalid_input; only complete reaches the goal asked for.")
+      .def_property_readonly("reason", [](const PlanResult& r) { return explain(r.status); })
+      .def_property_readonly(
+          "path", [](const PlanResult& r) { return points_array(r.path); },
+          "(k, 3) float64 voxel centres from start to end, view's frame [m]; (0, 3) without a path.")
+      .def_readonly("partial", &PlanResult::is_partial, "There is a path, but not to the goal asked for.")
+      .def_readonly("cost_m", &PlanResult::cost_m, "Length weighted by the cost of the cells, before simplifying.")
+      .def_readonly("remaining_m", &PlanResult::remaining_m, "Straight distance from the path's end to the goal.")
+      .def_readonly("expansions", &PlanResult::expansions)
+      .def_readonly("seconds", &PlanResult::seconds)
+      .def_readonly("memory_bytes", &PlanResult::memory_bytes);
+}
+
+void bind_corridor(py::module_& m) {
+  py::class_<CorridorResult>(m, "CorridorResult", "Outcome of a corridor check.")
+      .def_readonly("safe", &CorridorResult::is_safe)
+      .def_property_readonly(
+          "first_unsafe_m",
+          [](const CorridorResult& r) -> py::object {
+            return r.is_safe ? py::object(py::none()) : py::cast(r.first_unsafe_m);
+          },
+          "Arc length at which the corridor first touches an unsafe voxel [m], or None.")
+      .def_property_readonly("unsafe_state", [](const CorridorResult& r) { return static_cast<int>(r.unsafe_state); })
+      .def_property_readonly("unsafe_point", [](const CorridorResult& r) { return vec3_array(r.unsafe_point); })
+      .def_readonly("length_m", &CorridorResult::length_m);
+  m.def("check_corridor", &corridor, py::arg("view"), py::arg("points"), py::arg("radius_m"),
+        py::arg("allow_unknown") = false,
+        "Check the space swept by a ball along a (n, 3) float64 polyline; only known free space passes.");
 }
 
 }  // namespace
@@ -31,6 +86,16 @@ void bind_planning(py::module_& m) {
       .def_property_readonly("resolution_m", &OccupancyView::resolution_m)
       .def("states", &states_at, py::arg("points"),
            "(n,) int8 states (0 unknown, 1 free, 2 occupied) of (n, 3) float32 points in the view's frame [m].");
+  bind_plan_result(m);
+  bind_corridor(m);
+  bind_config<AStarConfig>(m, "AStarConfig", "Rules and limits of a search.");
+  py::class_<AStarPlanner>(m, "AStarPlanner",
+                           "Bounded A* on voxels: 26 neighbours, no corner cutting, octile heuristic.")
+      .def(py::init<AStarConfig>(), py::arg("config") = AStarConfig{})
+      .def("plan", &plan, py::arg("view"), py::arg("start_W"), py::arg("goal_W"),
+           "Cheapest path between two points (three numbers each, view's frame [m]).\n\n"
+           "view: OccupancyView, StateGrid, LocalMap or SubmapCollection; must not change during the call.\n"
+           "Returns a PlanResult; never raises for a start or goal that cannot be used.");
 }
 
 }  // namespace voxnav::bindings

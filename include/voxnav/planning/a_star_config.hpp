@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav::planning {
+
+/// Rules of a search. The limits bound time and memory whatever the map and the goal are.
+struct AStarConfig {
+  int max_expansions = 1000000;
+  double timeout_s = 0.8;
+  double max_memory_mib = 256.0;
+  double safety_distance_m = 1.0;
+  double clearance_distance_m = 0.0;
+  double clearance_weight = 2.0;
+  std::string unknown_policy = "forbid";
+  double unknown_cost = 2.0;
+  double optimistic_range_m = 8.0;
+  double heuristic_weight = 1.0;
+  double goal_search_radius_m = 4.0;
+  double escape_distance_m = 3.0;
+  bool simplify = false;
+
+  template <class V>
+  static void fields(V&& v) {
+    v("max_expansions", &AStarConfig::max_expansions, base::in(1, 50000000), "", "cells expanded at most");
+    v("timeout_s", &AStarConfig::timeout_s, base::in(0.001, 60.0), "s", "time for one search");
+    v("max_memory_mib", &AStarConfig::max_memory_mib, base::in(4.0, 8192.0), "MiB",
+      "memory for nodes and open list, half each");
+    v("safety_distance_m", &AStarConfig::safety_distance_m, base::in(0.0, 10.0), "m",
+      "every point of the path stays this far from occupied voxels");
+    v("clearance_distance_m", &AStarConfig::clearance_distance_m, base::in(0.0, 20.0), "m",
+      "cells nearer to occupied voxels than this cost more; no effect unless above safety_distance_m");
+    v("clearance_weight", &AStarConfig::clearance_weight, base::in(0.0, 100.0), "",
+      "extra cost per metre at the safety distance, falls to zero at clearance_distance_m");
+    v("unknown_policy", &AStarConfig::unknown_policy, base::one_of({"forbid", "penalise", "optimistic_far"}), "",
+      "unknown cells: never; at unknown_cost; at unknown_cost beyond optimistic_range_m of the start only");
+    v("unknown_cost", &AStarConfig::unknown_cost, base::in(1.0, 100.0), "", "cost per metre in unknown cells");
+    v("optimistic_range_m", &AStarConfig::optimistic_range_m, base::in(0.0, 1000.0), "m",
+      "see unknown_policy optimistic_far");
+    v("heuristic_weight", &AStarConfig::heuristic_weight, base::in(1.0, 5.0), "",
+      "1 gives the cheapest path; more is faster and at most this factor dearer");
+    v("goal_search_radius_m", &AStarConfig::goal_search_radius_m, base::in(0.0, 20.0), "m",
+      "a goal that cannot be entered is replaced by the nearest enterable cell within this radius");
+    v("escape_distance_m", &AStarConfig::escape_distance_m, base::in(0.0, 20.0), "m",
+      "a start too near to an obstacle may be left over this distance at most, never through occupied cells");
+    v("simplify", &AStarConfig::simplify, base::any(), "", "shorten the path along clear lines of sight");
+  }
+};
+
+}  // namespace voxnav::planning

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav::planning {
+
+/// Why a search ended as it did. Only kComplete reaches the goal that was asked for.
+enum class PlanStatus {
+  kComplete,
+  kPartialTimeout,  ///< time ran out; the path leads to the expanded cell nearest to the goal
+  kPartialLimit,    ///< expansions or memory ran out
+  kPartialBlocked,  ///< everything reachable was searched; the path leads as near as one can get
+  kNoPath,          ///< nothing nearer to the goal than the start can be reached
+  kStartBlocked,    ///< start occupied, or too near to an obstacle with no way out
+  kStartUnknown,
+  kGoalBlocked,  ///< goal occupied or too near to an obstacle; the path leads to a free cell near it
+  kGoalUnknown,
+  kOutsideMap,  ///< start or goal outside the view's box; the path, if any, leads towards the goal
+  kInvalidInput
+};
+
+const char* to_string(PlanStatus status);
+/// One sentence for a person.
+const char* explain(PlanStatus status);
+
+struct PlanResult {
+  PlanStatus status = PlanStatus::kInvalidInput;
+  std::vector<geometry::Vec3> path;  ///< voxel centres from start to end, neighbours touch unless simplified
+  bool is_partial = false;           ///< there is a path, but it does not end at the goal that was asked for
+  double cost_m = 0.0;               ///< length of the path weighted by the cost of its cells, before simplifying
+  double remaining_m = 0.0;          ///< straight distance from the end of the path to the goal
+  std::uint64_t expansions = 0;
+  double seconds = 0.0;
+  std::uint64_t memory_bytes = 0;  ///< held by the search when it ended
+};
+
+}  // namespace voxnav::planning

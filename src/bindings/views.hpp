@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "voxnav/planning/occupancy_view.hpp"
+
+namespace voxnav::bindings {
+
+/// The view behind a Python object: an OccupancyView, a StateGrid, or anything with a method
+/// `occupancy_view(safety_distance_m)` that returns one of them. The object must outlive the view.
+/// @throws py::value_error (ValueError) naming what was given instead
+std::shared_ptr<const planning::OccupancyView> view_of(const pybind11::object& map, double safety_distance_m);
+
+}  // namespace voxnav::bindings

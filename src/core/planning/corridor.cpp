@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/planning/corridor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxnav/planning/segment_box.hpp"
+
+namespace voxnav::planning {
+namespace {
+
+using geometry::Index3;
+using geometry::Vec3;
+
+/// Longer pieces are split, so that the box around a slanted piece stays slim.
+constexpr double kMaxPieceInRadii = 2.0;
+
+/// Reads single voxels through the block last used; corridors are local, so it nearly always is the right one.
+class BlockReader {
+ public:
+  explicit BlockReader(const OccupancyView& view) : view_(view) {}
+
+  State state(const Index3& voxel) {
+    const Index3 index = geometry::block_of(voxel);
+    Slot& slot = slots_[(index.x & 1) | ((index.y & 1) << 1) | ((index.z & 1) << 2)];
+    if (!slot.is_used || slot.index != index) {
+      slot.index = index;
+      slot.is_used = true;
+      slot.states = view_.block(index, &slot.scratch);
+    }
+    return slot.states == nullptr ? State::kUnknown : slot.states->get(geometry::offset_in_block(voxel));
+  }
+
+ private:
+  struct Slot {
+    bool is_used = false;
+    Index3 index;
+    const StateBlock* states = nullptr;
+    StateBlock scratch;
+  };
+  const OccupancyView& view_;
+  std::array<Slot, 8> slots_;
+};
+
+struct Touch {
+  double t = 2.0;  ///< parameter on the piece; above 1 = none
+  State state = State::kFree;
+  Vec3 center;
+};
+
+class PieceChecker {
+ public:
+  PieceChecker(const OccupancyView& view, double radius_m, CorridorRule rule)
+      : reader_(view), resolution_m_(view.resolution_m()), radius_m_(radius_m), rule_(rule) {}
+
+  Touch first_touch(const Segment& piece) {
+    Touch first;
+    geometry::Aabb box;
+    box.extend(piece.a);
+    box.extend(piece.b);
+    const Index3 low = geometry::index_of(box.min.array() - radius_m_, resolution_m_);
+    const Index3 high = geometry::index_of(box.max.array() + radius_m_, resolution_m_);
+    // Only voxels whose centre is nearer than this can be touched.
+    const double reach = radius_m_ + 0.5 * std::sqrt(3.0) * resolution_m_;
+    const Vec3 direction = piece.b - piece.a;
+    const double inverse_sq = direction.squaredNorm() > 0.0 ? 1.0 / direction.squaredNorm() : 0.0;
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+          const Vec3 center = geometry::center_of({x, y, z}, resolution_m_);
+          const Vec3 offset = center - piece.a;
+          const double t = std::min(1.0, std::max(0.0, offset.dot(direction) * inverse_sq));
+          if ((offset - t * direction).squaredNorm() >= reach * reach) continue;
+          const State state = reader_.state({x, y, z});
+          if (is_unsafe(state)) consider(piece, center, state, &first);
+        }
+      }
+    }
+    return first;
+  }
+
+ private:
+  bool is_unsafe(State state) const {
+    return rule_ == CorridorRule::kNotOccupied ? state == State::kOccupied : state != State::kFree;
+  }
+
+  void consider(const Segment& piece, const Vec3& center, State state, Touch* first) const {
+    const Vec3 half = Vec3::Constant(0.5 * resolution_m_);
+    const geometry::Aabb box{center - half, center + half};
+    // A piece that starts at or beyond the first touch known cannot improve on it.
+    if (first->t <= 1.0 && squared_distance(Segment{piece.a, piece.at(first->t)}, box) >= radius_m_ * radius_m_) return;
+    const double t = first_parameter_within(piece, box, radius_m_);
+    if (t < 0.0 || t >= first->t) return;
+    *first = {t, state, center};
+  }
+
+  BlockReader reader_;
+  double resolution_m_;
+  double radius_m_;
+  CorridorRule rule_;
+};
+
+bool is_usable(const std::vector<Vec3>& points, double resolution_m) {
+  const double limit = 1e9 * resolution_m;
+  return !points.empty() &&
+         std::all_of(points.begin(), points.end(), [&](const Vec3& p) { return (p.array().abs() < limit).all(); });
+}
+
+}  // namespace
+
+CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>& points, double radius_m,
+                              CorridorRule rule) {
+  CorridorResult out;
+  out.is_safe = false;
+  out.unsafe_state = State::kUnknown;
+  if (!is_usable(points, view.resolution_m()) || !(radius_m >= 0.0)) return out;
+  for (std::size_t i = 1; i < points.size(); ++i) out.length_m += (points[i] - points[i - 1]).norm();
+  // A zero radius still has to touch the voxels that the line runs through.
+  const double radius = std::max(radius_m, 1e-3 * view.resolution_m());
+  const double max_piece_m = kMaxPieceInRadii * std::max(radius, view.resolution_m());
+  PieceChecker checker(view, radius, rule);
+  double arc_m = 0.0;
+  for (std::size_t i = 0; i < std::max<std::size_t>(1, points.size() - 1); ++i) {
+    const Segment whole{points[i], points[std::min(i + 1, points.size() - 1)]};
+    const int num_pieces = std::max(1, static_cast<int>(std::ceil(whole.length() / max_piece_m)));
+    for (int k = 0; k < num_pieces; ++k) {
+      const Segment piece{whole.at(static_cast<double>(k) / num_pieces), whole.at((k + 1.0) / num_pieces)};
+      const Touch touch = checker.first_touch(piece);
+      if (touch.t > 1.0) {
+        arc_m += piece.length();
+        continue;
+      }
+      out.first_unsafe_m = arc_m + touch.t * piece.length();
+      out.unsafe_state = touch.state;
+      out.unsafe_point = touch.center;
+      return out;
+    }
+  }
+  out.is_safe = true;
+  return out;
+}
+
+}  // namespace voxnav::planning

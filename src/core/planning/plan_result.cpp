@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/planning/plan_result.hpp"
+
+namespace voxnav::planning {
+
+const char* to_string(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kComplete:
+      return "complete";
+    case PlanStatus::kPartialTimeout:
+      return "partial_timeout";
+    case PlanStatus::kPartialLimit:
+      return "partial_limit";
+    case PlanStatus::kPartialBlocked:
+      return "partial_blocked";
+    case PlanStatus::kNoPath:
+      return "no_path";
+    case PlanStatus::kStartBlocked:
+      return "start_blocked";
+    case PlanStatus::kStartUnknown:
+      return "start_unknown";
+    case PlanStatus::kGoalBlocked:
+      return "goal_blocked";
+    case PlanStatus::kGoalUnknown:
+      return "goal_unknown";
+    case PlanStatus::kOutsideMap:
+      return "outside_map";
+    case PlanStatus::kInvalidInput:
+      return "invalid_input";
+  }
+  return "invalid_input";
+}
+
+const char* explain(PlanStatus status) {
+  switch (status) {
+    case PlanStatus::kComplete:
+      return "path reaches the goal";
+    case PlanStatus::kPartialTimeout:
+      return "search ran out of time";
+    case PlanStatus::kPartialLimit:
+      return "search reached its limit of cells or memory";
+    case PlanStatus::kPartialBlocked:
+      return "no way through to the goal";
+    case PlanStatus::kNoPath:
+      return "nothing nearer to the goal can be reached";
+    case PlanStatus::kStartBlocked:
+      return "start is inside or too near to an obstacle";
+    case PlanStatus::kStartUnknown:
+      return "start is in unknown space";
+    case PlanStatus::kGoalBlocked:
+      return "goal is inside or too near to an obstacle";
+    case PlanStatus::kGoalUnknown:
+      return "goal is in unknown space";
+    case PlanStatus::kOutsideMap:
+      return "start or goal is outside the map";
+    case PlanStatus::kInvalidInput:
+      return "start or goal is not a finite position";
+  }
+  return "";
+}
+
+}  // namespace voxnav::planning
