@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace voxnav_simulation {
+
+/// What a return came from: a SurfaceClass, or one of these.
+inline constexpr std::uint8_t kLabelOwnBody = 100;
+inline constexpr std::uint8_t kLabelGhost = 101;
+inline constexpr std::uint8_t kLabelNone = 255;  ///< no return
+
+/// One turn of the sensor as an image: row 0 is the top beam, column 0 the first measured (the rear; then clockwise
+/// seen from above, as Ouster sensors turn). Pixel (row, column) is at index row * columns + column.
+struct LidarScan {
+  int rows = 0;
+  int columns = 0;
+  std::vector<std::array<float, 4>> points;  ///< x y z in the sensor frame of its own column, intensity; 0 0 0 0 = none
+  std::vector<float> ranges_m;               ///< 0 = no return
+  std::vector<float> reflectivity;           ///< estimate from signal and range, 0 to 255
+  std::vector<std::uint8_t> labels;
+  std::vector<std::uint32_t> column_times_ns;  ///< after the start of the turn, one per column
+
+  std::size_t index(int row, int column) const { return static_cast<std::size_t>(row) * columns + column; }
+};
+
+}  // namespace voxnav_simulation

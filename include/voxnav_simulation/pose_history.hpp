@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav_simulation {
+
+/// The last poses of a body, bounded in number, for asking where it was at any instant between them.
+class PoseHistory {
+ public:
+  explicit PoseHistory(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Appends a pose. One with the newest stamp replaces it; an older one means that time was set back: everything
+  /// known is then forgotten, and false returned.
+  bool add(const voxnav::geometry::StampedPose& pose);
+
+  std::optional<voxnav::base::StampNs> oldest_ns() const;
+  std::optional<voxnav::base::StampNs> newest_ns() const;
+  /// Interpolated pose; nothing outside of what is known (never extrapolated).
+  std::optional<voxnav::geometry::Pose> at(voxnav::base::StampNs stamp_ns) const;
+
+ private:
+  std::size_t capacity_;
+  std::deque<voxnav::geometry::StampedPose> poses_;
+};
+
+}  // namespace voxnav_simulation

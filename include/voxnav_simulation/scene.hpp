@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "voxnav_simulation/world.hpp"
+
+namespace voxnav_simulation {
+
+/// Where a ray met the world.
+struct Hit {
+  float range_m = std::numeric_limits<float>::infinity();  ///< infinite when nothing was met
+  float cos_incidence = 0.0F;                              ///< 0 grazing, 1 head-on
+  SurfaceClass surface_class = SurfaceClass::kTerrain;
+
+  bool is_hit() const { return range_m < std::numeric_limits<float>::infinity(); }
+};
+
+/// The nearest surface to a point.
+struct Nearest {
+  double distance_m;
+  SurfaceClass surface_class;
+};
+
+/// A world made ready for ray casting (Embree). All methods are thread-safe; a moving vehicle is seen
+/// either where it was or where it is by each call.
+class Scene {
+ public:
+  explicit Scene(World world);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  const World& world() const { return world_; }
+
+  /// Casts `count` rays from one origin; directions are unit vectors in W. Fastest when neighbours are alike.
+  void cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits) const;
+
+  /// Distance to the nearest surface (without sign: also inside a trunk); `max_m` when nothing is closer.
+  /// @throws std::invalid_argument when p is not finite or max_m is negative
+  double clearance(const Vec3& p, double max_m) const;
+  /// The same with its class; nothing when no surface is closer than `max_m`.
+  std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
+
+  /// Puts the vehicle elsewhere. False when there is no vehicle, or no ground at that place.
+  bool move_vehicle(double x, double y, double heading_rad);
+  /// Nothing when the world has no vehicle.
+  std::optional<Pose> vehicle_pose() const;
+
+ private:
+  struct Device;
+  struct Part;
+  std::shared_ptr<const Part> vehicle() const;
+
+  World world_;
+  std::shared_ptr<Device> device_;
+  std::shared_ptr<const Part> static_part_;
+  mutable std::mutex mutex_;  ///< guards vehicle_
+  std::shared_ptr<const Part> vehicle_;
+};
+
+/// One scene per world file and seed and process, so that the LiDAR and the collision monitor of the same nodelet
+/// manager see the same moving vehicle. Lives as long as somebody holds it.
+std::shared_ptr<Scene> shared_scene(const std::string& world_yaml_path, std::uint64_t seed);
+
+}  // namespace voxnav_simulation

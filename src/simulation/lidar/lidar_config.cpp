@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_simulation/lidar_config.hpp"
+
+#include <map>
+
+namespace voxnav_simulation {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr std::size_t kMaxBeams = 256;
+constexpr std::size_t kCapsuleNumbers = 7;
+constexpr std::size_t kMaxCapsules = 100;
+
+/// Evenly spaced beams between +half and -half of the vertical field of view.
+struct BeamTable {
+  int beams;
+  double vertical_fov_rad;
+};
+// From the data sheets; Ouster's first generation for the OS1-16 that MRS UAVs carry.
+const std::map<std::string, BeamTable> kBeamTables{
+    {"os0-128", {128, 90.0 * kDegree}}, {"os0-64", {64, 90.0 * kDegree}}, {"os0-32", {32, 90.0 * kDegree}},
+    {"os1-16", {16, 33.2 * kDegree}},   {"os1-64", {64, 33.2 * kDegree}}, {"vlp-16", {16, 30.0 * kDegree}},
+};
+
+}  // namespace
+
+std::vector<std::string> LidarConfig::problems() const {
+  std::vector<std::string> out;
+  const bool is_custom = model == "custom";
+  if (is_custom && (beam_elevations_rad.empty() || beam_elevations_rad.size() > kMaxBeams)) {
+    out.emplace_back("beam_elevations_rad must hold 1 to 256 beams when model is custom");
+  }
+  if (!is_custom && !beam_elevations_rad.empty()) out.emplace_back("beam_elevations_rad is only for model custom");
+  if (min_range_m >= max_range_m) out.emplace_back("min_range_m must be below max_range_m");
+  if (ghost_ratio > 0 && ghost_max_range_m <= min_range_m) {
+    out.emplace_back("ghost_max_range_m must exceed min_range_m");
+  }
+  if (body_capsules_m.size() % kCapsuleNumbers != 0 || body_capsules_m.size() > kMaxCapsules * kCapsuleNumbers) {
+    out.emplace_back("body_capsules_m must hold seven numbers per capsule, at most 100 capsules");
+  }
+  for (std::size_t i = kCapsuleNumbers - 1; i < body_capsules_m.size(); i += kCapsuleNumbers) {
+    if (body_capsules_m[i] <= 0.0) out.emplace_back("body_capsules_m: every radius must be positive");
+  }
+  return out;
+}
+
+std::vector<double> LidarConfig::elevations_rad() const {
+  if (model == "custom") return beam_elevations_rad;
+  const BeamTable& table = kBeamTables.at(model);
+  std::vector<double> out;
+  for (int i = 0; i < table.beams; ++i) out.push_back(table.vertical_fov_rad * (0.5 - i / (table.beams - 1.0)));
+  return out;
+}
+
+Pose LidarConfig::T_B_L() const {
+  Pose pose = Pose::Identity();
+  pose.linear() =
+      (Eigen::AngleAxisd(mount_rpy_rad[2], Vec3::UnitZ()) * Eigen::AngleAxisd(mount_rpy_rad[1], Vec3::UnitY()) *
+       Eigen::AngleAxisd(mount_rpy_rad[0], Vec3::UnitX()))
+          .toRotationMatrix();
+  pose.translation() = Vec3(mount_position_m[0], mount_position_m[1], mount_position_m[2]);
+  return pose;
+}
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <memory>
+#include <optional>
+
+#include "voxnav_simulation/scene.hpp"
+
+namespace voxnav_simulation {
+
+/// Owner of Embree's device.
+struct Scene::Device {
+  Device();
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  RTCDevice handle;
+};
+
+/// One mesh with its search tree. Never changes after construction. `mesh` must outlive it.
+struct Scene::Part {
+  Part(std::shared_ptr<Device> device, const Mesh& mesh, const Pose& T_W_part);
+  ~Part();
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+
+  /// Casts the valid lanes up to their present far end, writes hits of the first `count` lanes where something
+  /// is met, and shortens those rays.
+  void cast(RTCRayHit8* packet, const int* valid, Hit* hits, std::size_t count) const;
+  std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
+
+  std::shared_ptr<Device> device;
+  const Mesh* mesh;
+  Pose T_W_part;
+  RTCScene scene;
+  RTCGeometry geometry;
+  const float* vertices;  ///< as Embree holds them, in W
+};
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A seeded forest and a spinning LiDAR in it, without ROS.
+
+Built only where Embree is present. Frame W: z up, ground height 0 at the start point; metres.
+
+>>> world = World("worlds/forest.yaml", seed=1)
+>>> lidar = Lidar(model="os1-16", columns=512)
+>>> scan = lidar.scan(world, pose(0, 0, 2), pose(0.2, 0, 2), scan_index=0)
+>>> scan.points.shape[1]
+4
+"""
+
+import os
+
+import numpy as np
+
+from voxnav import _simulation
+from voxnav._simulation import CLASSES, LidarConfig, WorldConfig
+
+__all__ = ["CLASSES", "Lidar", "LidarConfig", "Scan", "Stems", "World", "WorldConfig", "pose"]
+
+
+def pose(x, y, z, yaw_rad=0.0):
+    """Upright pose as (4, 4) float64."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
+
+
+def _world_config(config):
+    if config is None:
+        return WorldConfig()
+    if isinstance(config, WorldConfig):
+        return config
+    if isinstance(config, dict):
+        return WorldConfig.from_dict(config)
+    return _simulation.load_world_config(os.fspath(config))
+
+
+def _rows(points, columns):
+    return np.ascontiguousarray(points, dtype=np.float64).reshape(-1, columns)
+
+
+class Stems:
+    """Trunks or poles as they were meant: (k, 3) axis ends at the ground and the top, (k,) radii there."""
+
+    def __init__(self, rows):
+        self.ground, self.top = rows[:, 0:3], rows[:, 3:6]
+        self.radius_ground_m, self.radius_top_m = rows[:, 6], rows[:, 7]
+
+    def __len__(self):
+        return len(self.ground)
+
+
+class World:
+    """A generated world.
+
+    Parameters
+    ----------
+    config : path of a YAML file, dict, WorldConfig, or None for the defaults
+    seed : the same configuration and seed give the same mesh, byte for byte
+    """
+
+    def __init__(self, config=None, seed=1):
+        self.scene = _simulation.Scene(_world_config(config), seed)
+
+    @property
+    def config(self):
+        return self.scene.config
+
+    @property
+    def seed(self):
+        return self.scene.seed
+
+    @property
+    def counts(self):
+        """How many trees, bushes, poles, rocks, walls and houses found room."""
+        return self.scene.counts()
+
+    def save_ply(self, path):
+        """Writes the mesh (binary PLY, a class and a colour per face, seed and parameters in the header)."""
+        self.scene.save_ply(os.fspath(path))
+
+    def mesh(self):
+        """Vertices (n, 3) float32, triangles (m, 3) uint32, classes (m,) uint8; the vehicle where it stands now."""
+        arrays = self.scene.mesh()
+        return arrays["vertices"], arrays["triangles"], arrays["classes"]
+
+    def ground_height(self, x, y):
+        """Height of the ground, for numbers or arrays; NaN outside of the terrain."""
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+        heights = self.scene.ground_height(_rows(np.stack([x, y], axis=-1), 2)).reshape(x.shape)
+        return float(heights) if heights.ndim == 0 else heights
+
+    def clearance(self, points, max_m=100.0):
+        """Distance (n,) of (n, 3) points to the nearest surface, without sign; max_m where nothing is closer."""
+        return self.scene.clearance(_rows(points, 3), max_m)
+
+    def nearest(self, points, max_m=100.0):
+        """Distance (n,) and class (n,) uint8 of the nearest surface; NaN and 255 where nothing is within max_m."""
+        return self.scene.nearest(_rows(points, 3), max_m)
+
+    def surface_distance(self, points, max_m=100.0):
+        """Distance (n,) to the nearest surface; NaN where nothing is within max_m."""
+        return self.nearest(points, max_m)[0]
+
+    def cast(self, origins, directions, max_range_m=200.0):
+        """Ranges (inf = nothing), classes (255 = nothing) and cosines of incidence of (n, 3) rays."""
+        return self.scene.cast(_rows(origins, 3), _rows(directions, 3), max_range_m)
+
+    def trunks(self):
+        """Stems of all trees."""
+        return self._stems("trunk")
+
+    def poles(self):
+        """Stems of all thin poles."""
+        return self._stems("pole")
+
+    def _stems(self, name):
+        rows = self.scene.stems()
+        return Stems(rows[rows[:, 8] == CLASSES[name]])
+
+    def move_vehicle(self, x, y, heading_rad=0.0):
+        """Puts the vehicle elsewhere; False when there is none, or no ground at that place."""
+        return self.scene.move_vehicle(x, y, heading_rad)
+
+    def vehicle_pose(self):
+        """T_W_V (4, 4), or None."""
+        return self.scene.vehicle_pose()
+
+
+class Scan:
+    """One turn of the LiDAR; each point is in the sensor frame at its own time.
+
+    organised (h, w, 4) float32 x y z intensity, zeros where there is no return; ranges_m (h, w);
+    labels (h, w) uint8 (see CLASSES); column_times_s (w,).
+    Of the returns alone: points (n, 4) float32, point_times (n,) seconds after the start, classes (n,) uint8.
+    """
+
+    def __init__(self, arrays):
+        self.organised, self.ranges_m, self.labels = arrays["points"], arrays["ranges_m"], arrays["labels"]
+        self.column_times_s = arrays["column_times_ns"] * 1e-9
+        is_return = self.labels != CLASSES["none"]
+        self.points = self.organised[is_return]
+        self.point_times = np.broadcast_to(self.column_times_s, is_return.shape)[is_return]
+        self.classes = self.labels[is_return]
+
+
+class Lidar:
+    """A LiDAR; takes a LidarConfig, a dict, or the fields of LidarConfig by keyword."""
+
+    def __init__(self, config=None, seed=1, **fields):
+        if config is not None and fields:
+            raise ValueError("give either config or fields")
+        if isinstance(config, LidarConfig):
+            self.config = config
+        else:
+            self.config = LidarConfig.from_dict(config if config is not None else fields)
+        self._model = _simulation.LidarModel(self.config, seed)
+
+    @property
+    def sweep_s(self):
+        """Seconds of one turn."""
+        return self._model.sweep_s
+
+    def scan(self, world, T_W_L_start, T_W_L_end=None, scan_index=0):
+        """Measures one turn while the sensor moves evenly from the first to the second pose, (4, 4) float64."""
+        end = T_W_L_start if T_W_L_end is None else T_W_L_end
+        return Scan(self._model.scan(world.scene, T_W_L_start, end, scan_index))
