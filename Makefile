@@ -33,7 +33,8 @@ demo-real: build
 test: build
 	@scripts/dev/run_tests $(WS)
 
-bench: build
+bench:
+	@scripts/dev/install_deps bench
 	@scripts/dev/run_benchmarks build/bench $(JOBS)
 
 sanitize: deps
