@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "voxnav/planning/trajectory.hpp"
+
+using namespace voxnav;  // NOLINT: test
+using geometry::Vec3;
+using planning::Trajectory;
+
+namespace {
+
+/// 2 m/s along x for 10 s.
+Trajectory cruise() {
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 50; ++i) points.emplace_back(0.4 * i, 0.0, 0.0);
+  return {points, 0.2};
+}
+
+}  // namespace
+
+TEST(Trajectory, ReadsByTimeAndByArc) {
+  const Trajectory t = cruise();
+  EXPECT_DOUBLE_EQ(t.duration_s(), 10.0);
+  EXPECT_NEAR(t.length_m(), 20.0, 1e-9);
+  EXPECT_NEAR(t.position_at(3.05).x(), 6.1, 1e-9);
+  EXPECT_NEAR(t.position_at(99.0).x(), 20.0, 1e-9);
+  EXPECT_NEAR(t.position_at(-1.0).x(), 0.0, 1e-9);
+  EXPECT_NEAR(t.speed_at(5.0), 2.0, 1e-9);
+  EXPECT_DOUBLE_EQ(t.speed_at(10.0), 0.0);
+  EXPECT_NEAR(t.project({6.3, 0.5, 0.0}, 2.0, 4.0), 6.3, 1e-9);
+  EXPECT_NEAR(t.points_from_arc(19.9).front().x(), 19.9, 1e-9);
+}
+
+TEST(Trajectory, StopsAtAnArcWithBoundedDeceleration) {
+  const auto stopped = cruise().stopped_at(4.0, 10.0, 1.0);
+  ASSERT_TRUE(stopped.has_value());
+  EXPECT_NEAR(stopped->points().front().x(), 4.0, 1e-9);
+  EXPECT_NEAR(stopped->points().back().x(), 10.0, 1e-9);
+  const auto& p = stopped->points();
+  double before = 2.0;
+  for (std::size_t i = 1; i < p.size(); ++i) {
+    const double speed = (p[i] - p[i - 1]).norm() / 0.2;
+    EXPECT_LE(speed, 2.0 + 1e-9);
+    EXPECT_GE(speed, before - (1.0 + 0.3) * 0.2) << "at " << i;
+    before = speed;
+  }
+}
+
+TEST(Trajectory, RefusesToStopWhereItCannot) {
+  EXPECT_FALSE(cruise().stopped_at(4.0, 5.5, 1.0).has_value());  // needs 2 m
+  EXPECT_FALSE(cruise().stopped_at(4.0, 3.0, 1.0).has_value());
+  EXPECT_TRUE(cruise().stopped_at(4.0, 6.1, 1.0).has_value());
+}
+
+TEST(Trajectory, UnusablePointsAreRefused) {
+  EXPECT_THROW(Trajectory({}, 0.2), std::invalid_argument);
+  EXPECT_THROW(Trajectory({Vec3(0, 0, std::nan(""))}, 0.2), std::invalid_argument);
+  EXPECT_THROW(Trajectory({Vec3(0, 0, 0)}, 0.0), std::invalid_argument);
+}
