@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "voxnav_simulation/lidar_model.hpp"
+#include "voxnav_simulation/pose_history.hpp"
+
+namespace voxnav_simulation {
+
+/// One turn that can be measured now.
+struct Sweep {
+  voxnav::base::StampNs start_ns = 0;
+  std::uint64_t index = 0;  ///< number of the turn since stamp 0: the same whenever the simulator was started
+  std::vector<Pose> T_W_L;  ///< one per column
+};
+
+struct SweepCounts {
+  std::uint64_t poses_refused = 0;  ///< not a finite rigid transform
+  std::uint64_t time_jumps = 0;     ///< stamps that went back
+  std::uint64_t truth_gaps = 0;     ///< poses too far apart to know the motion between them
+};
+
+/// Turns a stream of true body poses into turns of the sensor. Driven by stamps alone, so that the result is the same
+/// at any speed of the clock. Turns start at whole multiples of the turn's duration. Not thread-safe.
+class SweepScheduler {
+ public:
+  /// @param is_instantaneous  all columns see the pose at the start of the turn (as in Gazebo)
+  SweepScheduler(const LidarModel* model, bool is_instantaneous);
+
+  void add_truth(const voxnav::geometry::StampedPose& T_W_B);
+  /// The next turn that the truth covers completely, until there is none left.
+  std::optional<Sweep> next();
+  const SweepCounts& counts() const { return counts_; }
+
+ private:
+  void restart();
+
+  const LidarModel* model_;
+  Pose T_B_L_;
+  bool is_instantaneous_;
+  PoseHistory history_;
+  std::optional<std::int64_t> next_index_;
+  SweepCounts counts_;
+};
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_simulation/sweep_scheduler.hpp"
+
+#include <algorithm>
+
+namespace voxnav_simulation {
+namespace {
+
+using voxnav::base::StampNs;
+
+constexpr std::size_t kMaxPoses = 4096;          // more than a turn of 1 s at 1 kHz
+constexpr StampNs kMaxTruthGapNs = 100'000'000;  // truth comes at 100 Hz or faster
+
+/// Rounds towards plus infinity, also below zero.
+std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -((-a) / b); }
+
+}  // namespace
+
+SweepScheduler::SweepScheduler(const LidarModel* model, bool is_instantaneous)
+    : model_(model), T_B_L_(model->config().T_B_L()), is_instantaneous_(is_instantaneous), history_(kMaxPoses) {}
+
+void SweepScheduler::restart() {
+  history_ = PoseHistory(kMaxPoses);
+  next_index_.reset();
+}
+
+void SweepScheduler::add_truth(const voxnav::geometry::StampedPose& T_W_B) {
+  if (!voxnav::geometry::is_valid(T_W_B.pose)) {
+    ++counts_.poses_refused;
+    return;
+  }
+  const std::optional<StampNs> newest = history_.newest_ns();
+  if (newest && T_W_B.stamp_ns > *newest + kMaxTruthGapNs) {
+    ++counts_.truth_gaps;
+    restart();
+  }
+  if (!history_.add(T_W_B)) {
+    ++counts_.time_jumps;
+    next_index_.reset();
+  }
+  if (!next_index_) next_index_ = ceil_div(T_W_B.stamp_ns, model_->sweep_ns());
+}
+
+std::optional<Sweep> SweepScheduler::next() {
+  if (!next_index_) return std::nullopt;
+  const std::int64_t first_known = ceil_div(history_.oldest_ns().value(), model_->sweep_ns());
+  next_index_ = std::max(*next_index_, first_known);
+  const auto time_of = [&](int column) {
+    return is_instantaneous_ ? StampNs{0} : StampNs{model_->column_time_ns(column)};
+  };
+  const int columns = model_->config().columns;
+  Sweep sweep;
+  sweep.start_ns = *next_index_ * model_->sweep_ns();
+  sweep.index = static_cast<std::uint64_t>(*next_index_);
+  if (sweep.start_ns + time_of(columns - 1) > *history_.newest_ns()) return std::nullopt;
+  sweep.T_W_L.reserve(static_cast<std::size_t>(columns));
+  for (int column = 0; column < columns; ++column) {
+    sweep.T_W_L.push_back(history_.at(sweep.start_ns + time_of(column)).value() * T_B_L_);
+  }
+  ++*next_index_;
+  return sweep;
+}
+
+}  // namespace voxnav_simulation
