@@ -5,6 +5,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "voxnav_simulation/lidar_model.hpp"
+#include "voxnav_simulation/lidar_simulator_config.hpp"
 #include "voxnav_simulation/scene.hpp"
 
 namespace voxnav::bindings {
@@ -180,6 +181,7 @@ PYBIND11_MODULE(_simulation, m) {
   pybind11::module_::import("voxnav._core");  // registers ConfigError
   vb::bind_config<voxnav_simulation::WorldConfig>(m, "WorldConfig", "What a generated world contains.");
   vb::bind_config<voxnav_simulation::LidarConfig>(m, "LidarConfig", "A spinning LiDAR and its errors.");
+  vb::bind_config<voxnav_simulation::LidarSimulatorConfig>(m, "LidarSimulatorConfig", "The lidar_simulator node.");
   m.def("load_world_config", &voxnav_simulation::load_world_config, pybind11::arg("path"),
         "A WorldConfig from a flat YAML file. Raises ConfigError listing every problem.");
   vb::bind_scene(m);

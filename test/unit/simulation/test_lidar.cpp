@@ -167,7 +167,8 @@ TEST(LidarModel, DefaultBodyIsSeenWithinArmsReachOnly) {
   const LidarScan scan = scan_from(LidarConfig(), scene, at_height(3.0));
   EXPECT_GT(count_label(scan, kLabelOwnBody), 100u);
   for (std::size_t i = 0; i < scan.labels.size(); ++i) {
-    if (scan.labels[i] == kLabelOwnBody) EXPECT_LT(scan.ranges_m[i], 0.6F);
+    if (scan.labels[i] != kLabelOwnBody) continue;
+    EXPECT_LT(scan.ranges_m[i], 0.6F);
   }
 }
 

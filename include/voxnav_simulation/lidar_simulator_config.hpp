@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav_simulation {
+
+/// What the lidar_simulator node needs besides the sensor itself.
+struct LidarSimulatorConfig {
+  std::string world_yaml = "";
+  int seed = 1;
+  std::string layout = "ouster";
+  std::string sensor_frame_id = "uav1/os_sensor";
+  std::string body_frame_id = "uav1/fcu";
+  int max_marker_triangles = 60000;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = LidarSimulatorConfig;
+    using voxnav::base::any;
+    using voxnav::base::in;
+    using voxnav::base::one_of;
+    v("world_yaml", &C::world_yaml, any(), "", "file of the world, as worlds/forest.yaml; must be given");
+    v("seed", &C::seed, in(0, 2147483647), "", "seed of the world and of the sensor's errors");
+    v("layout", &C::layout, one_of({"ouster", "gazebo"}), "",
+      "ouster: 48 bytes per point with times; gazebo: 29 bytes, whole turn at one instant");
+    v("sensor_frame_id", &C::sensor_frame_id, any(), "", "frame of the clouds");
+    v("body_frame_id", &C::body_frame_id, any(), "", "parent of the sensor frame");
+    v("max_marker_triangles", &C::max_marker_triangles, in(0, 2000000), "",
+      "triangles of the world shown in rviz, 0 = none; leaves are thinned out first");
+  }
+};
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+
+#include <pluginlib/class_list_macros.hpp>
+
+#include "voxnav/MoveVehicle.h"
+#include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/nodelet_base.hpp"
+#include "voxnav_simulation/cloud_encoder.hpp"
+#include "voxnav_simulation/lidar_simulator_config.hpp"
+#include "voxnav_simulation/sweep_scheduler.hpp"
+#include "world_markers.hpp"
+
+namespace voxnav_ros {
+namespace {
+
+using voxnav_simulation::CloudLayout;
+
+constexpr double kLogPeriod_s = 5.0;
+// Seconds of truth at 250 Hz that may wait while a turn is computed.
+constexpr int kTruthQueue = 1000;
+
+sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, const std_msgs::Header& header) {
+  auto msg = boost::make_shared<sensor_msgs::PointCloud2>();
+  msg->header = header;
+  msg->height = cloud.height;
+  msg->width = cloud.width;
+  msg->point_step = cloud.point_step;
+  msg->row_step = cloud.point_step * cloud.width;
+  msg->is_dense = cloud.is_dense;
+  for (const auto& field : cloud.fields) {
+    sensor_msgs::PointField out;
+    out.name = field.name;
+    out.offset = field.offset;
+    out.datatype = static_cast<std::uint8_t>(field.type);
+    out.count = 1;
+    msg->fields.push_back(out);
+  }
+  msg->data = std::move(cloud.data);
+  return msg;
+}
+
+}  // namespace
+
+/// True poses in, clouds of the simulated world out. Truth arrives on one topic one message at a time, so only the
+/// scene is shared between callbacks, and that is thread-safe.
+class LidarSimulatorNodelet : public NodeletBase {
+ public:
+  LidarSimulatorNodelet() : NodeletBase("LidarSimulator") {}
+
+ private:
+  void initialize() override {
+    voxnav_simulation::LidarConfig lidar;
+    ParamLoader params(getPrivateNodeHandle());
+    params.section("lidar", &lidar);
+    params.section("node", &config_);
+    params.finish();
+    if (config_.world_yaml.empty()) throw voxnav::base::ConfigError({"node/world_yaml must name a world file"});
+    const auto seed = static_cast<std::uint64_t>(config_.seed);
+    layout_ = config_.layout == "gazebo" ? CloudLayout::kGazebo : CloudLayout::kOuster;
+    scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
+    model_ = std::make_unique<voxnav_simulation::LidarModel>(lidar, seed);
+    scheduler_ = std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), layout_ == CloudLayout::kGazebo);
+    ros::NodeHandle& nh = getPrivateNodeHandle();
+    cloud_ = nh.advertise<sensor_msgs::PointCloud2>("cloud_out", 5);
+    markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
+    publish_mount(lidar.T_B_L());
+    move_vehicle_ = nh.advertiseService("move_vehicle", &LidarSimulatorNodelet::on_move_vehicle, this);
+    truth_ = nh.subscribe("ground_truth_in", kTruthQueue, &LidarSimulatorNodelet::on_truth, this,
+                          ros::TransportHints().tcpNoDelay());
+    report_world();
+  }
+
+  void publish_mount(const voxnav::geometry::Pose& T_B_L) {
+    geometry_msgs::TransformStamped mount;
+    mount.header.stamp = ros::Time::now();
+    mount.header.frame_id = config_.body_frame_id;
+    mount.child_frame_id = config_.sensor_frame_id;
+    mount.transform = to_transform_msg(T_B_L);
+    static_tf_.sendTransform(mount);
+  }
+
+  void report_world() {
+    const auto& world = scene_->world();
+    NODELET_INFO_STREAM("[" << node() << "]: " << config_.world_yaml << ", seed " << config_.seed << ": "
+                            << world.counts().num_trees << " trees, " << world.mesh().triangles.size() << " triangles");
+    diagnostics().set_counter("world_trees", world.counts().num_trees);
+    diagnostics().set_counter("world_triangles", static_cast<double>(world.mesh().triangles.size()));
+  }
+
+  void on_truth(const nav_msgs::OdometryConstPtr& msg) {
+    const auto pose = from_msg(msg->pose.pose);
+    if (!pose) {
+      refuse_truth();
+      return;
+    }
+    show_world(msg->header.frame_id);
+    scheduler_->add_truth({to_ns(msg->header.stamp), *pose});
+    while (const auto sweep = scheduler_->next()) measure(*sweep);
+  }
+
+  void measure(const voxnav_simulation::Sweep& sweep) {
+    std_msgs::Header header;
+    header.stamp = to_ros(sweep.start_ns);
+    header.frame_id = config_.sensor_frame_id;
+    {
+      const auto timer = diagnostics().time("scan");
+      cloud_.publish(to_msg(encode(model_->scan(*scene_, sweep.T_W_L, sweep.index), layout_), header));
+    }
+    diagnostics().add_latency("scan", header.stamp);
+    const auto& counts = scheduler_->counts();
+    diagnostics().set_counter("truth_gaps", static_cast<double>(counts.truth_gaps));
+    diagnostics().set_counter("time_jumps_back", static_cast<double>(counts.time_jumps));
+    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    publish_progress(header.stamp);
+  }
+
+  void refuse_truth() {
+    diagnostics().set_counter("truth_refused", static_cast<double>(++num_refused_));
+    const std::string text = "a true pose was refused: not finite, or its quaternion is no rotation";
+    diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, text);
+    NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
+  }
+
+  /// Once per frame name: rviz gets the markers when it is known which frame the world is in.
+  void show_world(const std::string& frame_id) {
+    const std::lock_guard<std::mutex> lock(marker_mutex_);
+    if (frame_id == world_frame_id_ || frame_id.empty()) return;
+    world_frame_id_ = frame_id;
+    publish_markers();
+  }
+
+  void publish_markers() {
+    if (config_.max_marker_triangles == 0) return;
+    markers_.publish(world_markers(*scene_, world_frame_id_, static_cast<std::size_t>(config_.max_marker_triangles)));
+  }
+
+  bool on_move_vehicle(voxnav::MoveVehicle::Request& request, voxnav::MoveVehicle::Response& response) {
+    response.success = scene_->move_vehicle(request.x, request.y, request.heading_rad);
+    if (response.success) {
+      response.message = "moved";
+      const std::lock_guard<std::mutex> lock(marker_mutex_);
+      if (!world_frame_id_.empty()) publish_markers();
+    } else {
+      response.message = scene_->vehicle_pose() ? "there is no ground at that place" : "this world has no vehicle";
+    }
+    return true;
+  }
+
+  voxnav_simulation::LidarSimulatorConfig config_;
+  CloudLayout layout_ = CloudLayout::kOuster;
+  std::shared_ptr<voxnav_simulation::Scene> scene_;
+  std::unique_ptr<voxnav_simulation::LidarModel> model_;
+  std::unique_ptr<voxnav_simulation::SweepScheduler> scheduler_;
+  std::uint64_t num_refused_ = 0;
+  std::mutex marker_mutex_;  ///< guards world_frame_id_ and the order of marker messages
+  std::string world_frame_id_;
+  tf2_ros::StaticTransformBroadcaster static_tf_;
+  ros::Publisher cloud_, markers_;
+  ros::ServiceServer move_vehicle_;
+  ros::Subscriber truth_;
+};
+
+}  // namespace voxnav_ros
+
+PLUGINLIB_EXPORT_CLASS(voxnav_ros::LidarSimulatorNodelet, nodelet::Nodelet)
