@@ -97,7 +97,8 @@ TEST(World, StemsLieOnTheMesh) {
   for (const Stem& stem : scene.world().stems()) {
     const Rod& rod = stem.rod;
     const Vec3 axis = (rod.b - rod.a).normalized(), side = axis.cross(Vec3::UnitX()).normalized();
-    for (const double t : {0.1, 0.2, 0.25}) {
+    for (const double along_m : {1.0, 2.0, 3.0}) {  // above the ground, below the crown
+      const double t = along_m / (rod.b - rod.a).norm();
       const double radius = rod.radius_a_m + t * (rod.radius_b_m - rod.radius_a_m);
       const Vec3 center = rod.a + t * (rod.b - rod.a);
       const auto nearest = scene.nearest(center + radius * side, 1.0);
