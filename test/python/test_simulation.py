@@ -137,3 +137,12 @@ def test_queries_of_nothing_and_of_nan(forest):
     assert forest.clearance(np.zeros((0, 3))).shape == (0,)
     with pytest.raises(ValueError):
         forest.clearance([[np.nan, 0.0, 0.0]])
+
+
+def test_shipped_node_parameters_are_the_defaults():
+    yaml = pytest.importorskip("yaml")
+    with open(os.path.join(ROOT, "config", "lidar_simulator.yaml")) as file:
+        shipped = yaml.safe_load(file)
+    assert sorted(shipped) == ["lidar", "node"]
+    assert shipped["lidar"] == simulation.LidarConfig().to_dict()
+    assert shipped["node"] == simulation._simulation.LidarSimulatorConfig().to_dict()
