@@ -15,7 +15,8 @@ using geometry::Vec3;
 
 constexpr std::size_t kOpenEntryBytes = 24;
 
-bool is_position(const Vec3& point, double resolution_m) { return (point.array().abs() < 1e9 * resolution_m).all(); }
+/// Farther cells have no index; nothing is mapped there either.
+constexpr double kMaxCells = 1e9;
 
 SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin) {
   SearchBudget budget;
@@ -154,8 +155,9 @@ class PlanCall {
 AStarPlanner::AStarPlanner(const AStarConfig& config) : config_(base::checked(config)) {}
 
 PlanResult AStarPlanner::plan(const OccupancyView& view, const Vec3& start, const Vec3& goal) const {
-  if (!is_position(start, view.resolution_m()) || !is_position(goal, view.resolution_m())) return {};
-  return PlanCall(view, config_, start, goal).run();
+  if (!start.allFinite() || !goal.allFinite()) return {};
+  const Vec3 limit = Vec3::Constant(kMaxCells * view.resolution_m());
+  return PlanCall(view, config_, start.cwiseMin(limit).cwiseMax(-limit), goal.cwiseMin(limit).cwiseMax(-limit)).run();
 }
 
 }  // namespace voxnav::planning

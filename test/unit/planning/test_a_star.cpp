@@ -96,7 +96,8 @@ TEST(AStar, StartIsNamedWhenItCannotBeUsed) {
   EXPECT_EQ(plan(grid, raw_config(), {9.5, 9.5, 9.5}, goal).status, PlanStatus::kStartUnknown);
   EXPECT_EQ(plan(grid, raw_config(), {-9.5, 9.5, 9.5}, goal).status, PlanStatus::kOutsideMap);
   EXPECT_EQ(plan(grid, raw_config(), {std::nan(""), 0, 0}, goal).status, PlanStatus::kInvalidInput);
-  EXPECT_EQ(plan(grid, raw_config(), goal, {0, 1e300, 0}).status, PlanStatus::kInvalidInput);
+  EXPECT_EQ(plan(grid, raw_config(), goal, {0, 1e300, 0}).status, PlanStatus::kOutsideMap);
+  EXPECT_EQ(plan(grid, raw_config(), {0, 1e300, 0}, goal).status, PlanStatus::kOutsideMap);
 }
 
 TEST(AStar, StartTooNearToAnObstacleIsLeftWithoutTouchingIt) {

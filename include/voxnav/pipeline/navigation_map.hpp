@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxnav/base/config.hpp"
+#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/planning/occupancy_view.hpp"
+
+namespace voxnav::pipeline {
+
+struct NavigationMapConfig {
+  double min_altitude_m = 0.5;
+  double max_altitude_m = 50.0;
+  double range_m = 150.0;
+  double footprint_radius_m = 1.2;
+  double footprint_half_height_m = 1.2;
+  bool local_knows_better = true;
+
+  template <class V>
+  static void fields(V&& v) {
+    v("min_altitude_m", &NavigationMapConfig::min_altitude_m, base::in(-1000.0, 9000.0), "m",
+      "lowest altitude of a path in the map frame");
+    v("max_altitude_m", &NavigationMapConfig::max_altitude_m, base::in(-1000.0, 9000.0), "m",
+      "highest altitude of a path in the map frame");
+    v("range_m", &NavigationMapConfig::range_m, base::in(10.0, 2000.0), "m",
+      "paths stay this near to the vehicle on both horizontal axes");
+    v("footprint_radius_m", &NavigationMapConfig::footprint_radius_m, base::in(0.0, 10.0), "m",
+      "unknown voxels this near to the vehicle count as free, horizontally: it is there, and its LiDAR cannot see "
+      "them");
+    v("footprint_half_height_m", &NavigationMapConfig::footprint_half_height_m, base::in(0.0, 10.0), "m",
+      "the same, up and down");
+    v("local_knows_better", &NavigationMapConfig::local_knows_better, base::any(), "",
+      "obstacles of the global map give way where the local map knows everything within the safety distance");
+  }
+  std::vector<std::string> problems() const;
+};
+
+/// What the planner flies by, in the odometry frame O: the local map as it is, obstacles of the global map through
+/// T_W_O, altitude limits of the map frame, and the vehicle's own place. Thread-safe; views are snapshots.
+class NavigationMap {
+ public:
+  /// @throws base::ConfigError
+  explicit NavigationMap(const NavigationMapConfig& config);
+
+  enum class Applied {
+    kApplied,
+    kNeedsSnapshot,  ///< a message was missed, or nothing came before a change: ask for a snapshot
+    kIgnored         ///< older than what is here
+  };
+  /// @param sequence of the message; changes must follow each other without a gap
+  /// @throws std::invalid_argument when the update does not fit itself, or resolution_m is not positive
+  Applied apply_local(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
+  Applied apply_obstacles(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
+
+  void set_T_W_O(const geometry::Pose& T_W_O);
+  void set_vehicle(const geometry::Vec3& position_O);
+  /// Forgets both grids: after a restart of their source or a jump of the clock.
+  void clear_local();
+  void clear_obstacles();
+
+  /// Null until there are a local map, a vehicle and T_W_O.
+  std::shared_ptr<const planning::OccupancyView> view() const;
+
+ private:
+  struct Layer {
+    std::shared_ptr<containers::StateGrid> grid;
+    std::uint32_t sequence = 0;
+    int num_ignored = 0;  ///< in a row; many mean that the source has started anew
+    Applied apply(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
+  };
+
+  NavigationMapConfig config_;
+  mutable std::mutex mutex_;
+  Layer local_;
+  Layer obstacles_;
+  std::optional<geometry::Pose> T_W_O_;
+  std::optional<geometry::Vec3> vehicle_O_;
+};
+
+}  // namespace voxnav::pipeline

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "voxnav/pipeline/navigation_map.hpp"
+
+namespace voxnav::pipeline {
+
+/// One snapshot of a NavigationMap.
+class NavigationView : public planning::OccupancyView {
+ public:
+  struct Content {
+    std::shared_ptr<const containers::StateGrid> local;      ///< frame O
+    std::shared_ptr<const containers::StateGrid> obstacles;  ///< frame W, may be null
+    geometry::Pose T_W_O;
+    geometry::Vec3 vehicle_O;
+  };
+  NavigationView(const NavigationMapConfig& config, Content content);
+
+  double resolution_m() const override { return content_.local->resolution_m(); }
+  containers::State state(const geometry::Index3& voxel) const override;
+  geometry::Aabb bounds() const override { return bounds_; }
+  const containers::StateBlock* block(const geometry::Index3& block, containers::StateBlock* scratch) const override;
+  bool forbidden(const geometry::Index3& block, planning::BlockMask* hard, planning::BlockMask* soft) const override;
+
+ private:
+  bool is_in_footprint(const geometry::Index3& voxel) const;
+  geometry::Aabb box_of(const geometry::Index3& block) const;
+  bool forbid_altitudes(const geometry::Index3& block, planning::BlockMask* hard) const;
+  bool forbid_obstacles(const geometry::Index3& block, planning::BlockMask* mask) const;
+
+  NavigationMapConfig config_;
+  Content content_;
+  geometry::Aabb bounds_;
+  geometry::Aabb footprint_;
+};
+
+}  // namespace voxnav::pipeline

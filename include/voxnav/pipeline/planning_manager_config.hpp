@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav::pipeline {
+
+struct PlanningManagerConfig {
+  double planning_budget_s = 0.6;
+  double generation_budget_s = 0.6;
+  double max_flight_time_s = 15.0;
+  double replan_interval_s = 1.5;
+  double retry_interval_s = 0.5;
+  double corridor_radius_m = 0.7;
+  double min_corridor_radius_m = 0.5;
+  double trajectory_deviation_m = 0.2;
+  double stop_margin_m = 0.4;
+  double reaction_time_s = 0.4;
+  double deceleration_ratio = 0.7;
+  double goal_tolerance_m = 0.8;
+  double rest_speed_mps = 0.3;
+  double min_progress_m = 1.0;
+  double stuck_time_s = 25.0;
+  double odometry_timeout_s = 1.0;
+  double map_timeout_s = 1.5;
+  double correction_timeout_s = 3.0;
+  double tracker_timeout_s = 1.0;
+  double diagnostics_timeout_s = 3.0;
+  double constraints_timeout_s = 5.0;
+  double job_timeout_s = 4.0;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = PlanningManagerConfig;
+    const auto seconds = base::in(0.05, 60.0);
+    v("planning_budget_s", &C::planning_budget_s, seconds, "s", "time a search may take when planning ahead in flight");
+    v("generation_budget_s", &C::generation_budget_s, seconds, "s", "time the trajectory generator may take");
+    v("max_flight_time_s", &C::max_flight_time_s, base::in(1.0, 120.0), "s",
+      "trajectories are cut to this flight time");
+    v("replan_interval_s", &C::replan_interval_s, seconds, "s", "age of a trajectory that starts the next plan");
+    v("retry_interval_s", &C::retry_interval_s, seconds, "s", "pause after a plan that failed");
+    v("corridor_radius_m", &C::corridor_radius_m, base::in(0.1, 5.0), "m",
+      "known free space that must surround the flown trajectory: vehicle radius and margin");
+    v("min_corridor_radius_m", &C::min_corridor_radius_m, base::in(0.1, 5.0), "m",
+      "radius for leaving a place where the full one does not fit: the vehicle's own");
+    v("trajectory_deviation_m", &C::trajectory_deviation_m, base::in(0.02, 2.0), "m",
+      "how far the generator may leave the waypoints; plans keep this much more room");
+    v("stop_margin_m", &C::stop_margin_m, base::in(0.0, 5.0), "m", "rest this far before unsafe space");
+    v("reaction_time_s", &C::reaction_time_s, base::in(0.0, 5.0), "s", "until braking takes effect");
+    v("deceleration_ratio", &C::deceleration_ratio, base::in(0.1, 1.0), "",
+      "share of the allowed acceleration for braking");
+    v("goal_tolerance_m", &C::goal_tolerance_m, base::in(0.1, 10.0), "m",
+      "the goal is reached this near to it, at rest");
+    v("rest_speed_mps", &C::rest_speed_mps, base::in(0.01, 2.0), "m/s", "slower counts as at rest");
+    v("min_progress_m", &C::min_progress_m, base::in(0.1, 20.0), "m",
+      "shorter trajectories are not flown unless they end at the goal; new ones must lead this much nearer to it");
+    v("stuck_time_s", &C::stuck_time_s, base::in(1.0, 600.0), "s", "the goal is given up after this long in one place");
+    v("odometry_timeout_s", &C::odometry_timeout_s, seconds, "s", "older odometry is lost");
+    v("map_timeout_s", &C::map_timeout_s, seconds, "s", "an older local map is lost");
+    v("correction_timeout_s", &C::correction_timeout_s, base::in(0.0, 600.0), "s",
+      "an older map correction (T_W_O) is lost; 0 = the first one holds for ever");
+    v("tracker_timeout_s", &C::tracker_timeout_s, seconds, "s", "an older tracker command (prediction) is lost");
+    v("diagnostics_timeout_s", &C::diagnostics_timeout_s, seconds, "s", "older control manager diagnostics are lost");
+    v("constraints_timeout_s", &C::constraints_timeout_s, seconds, "s", "older constraints are lost");
+    v("job_timeout_s", &C::job_timeout_s, seconds, "s", "a search or service that takes longer has failed");
+  }
+  std::vector<std::string> problems() const;
+};
+
+}  // namespace voxnav::pipeline

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace voxnav::bindings {
+
+/// Part of the pipeline floor: NavigationMap, the planning manager and its jobs.
+void bind_planning_manager(pybind11::module_& m);
+
+}  // namespace voxnav::bindings

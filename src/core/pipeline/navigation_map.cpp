@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/pipeline/navigation_map.hpp"
+
+#include <stdexcept>
+
+#include "voxnav/pipeline/navigation_view.hpp"
+
+namespace voxnav::pipeline {
+namespace {
+constexpr int kMaxIgnored = 5;
+}
+
+std::vector<std::string> NavigationMapConfig::problems() const {
+  std::vector<std::string> out;
+  if (min_altitude_m >= max_altitude_m) out.emplace_back("min_altitude_m must be below max_altitude_m");
+  return out;
+}
+
+NavigationMap::NavigationMap(const NavigationMapConfig& config) : config_(base::checked(config)) {}
+
+NavigationMap::Applied NavigationMap::Layer::apply(const containers::GridUpdate& update, std::uint32_t next,
+                                                   double resolution_m) {
+  const bool is_fitting = grid != nullptr && grid->resolution_m() == resolution_m;
+  if (!update.is_snapshot) {
+    if (!is_fitting) return Applied::kNeedsSnapshot;
+    // A snapshot from the service may overtake changes that are still on their way.
+    if (static_cast<std::int32_t>(next - sequence) <= 0) {
+      return ++num_ignored > kMaxIgnored ? Applied::kNeedsSnapshot : Applied::kIgnored;
+    }
+    if (next != sequence + 1) return Applied::kNeedsSnapshot;
+  }
+  // Views hold the grid they were made from: they must not see it change.
+  std::shared_ptr<containers::StateGrid> changed = grid;
+  if (!is_fitting || update.is_snapshot) {
+    changed = std::make_shared<containers::StateGrid>(resolution_m);
+  } else if (grid.use_count() > 2) {
+    changed = std::make_shared<containers::StateGrid>(*grid);
+  }
+  containers::apply(update, changed.get());
+  grid = changed;
+  sequence = next;
+  num_ignored = 0;
+  return Applied::kApplied;
+}
+
+NavigationMap::Applied NavigationMap::apply_local(const containers::GridUpdate& update, std::uint32_t sequence,
+                                                  double resolution_m) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return local_.apply(update, sequence, resolution_m);
+}
+
+NavigationMap::Applied NavigationMap::apply_obstacles(const containers::GridUpdate& update, std::uint32_t sequence,
+                                                      double resolution_m) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return obstacles_.apply(update, sequence, resolution_m);
+}
+
+void NavigationMap::set_T_W_O(const geometry::Pose& T_W_O) {
+  if (!geometry::is_valid(T_W_O)) throw std::invalid_argument("T_W_O is not a rigid transform");
+  const std::lock_guard<std::mutex> lock(mutex_);
+  T_W_O_ = T_W_O;
+}
+
+void NavigationMap::set_vehicle(const geometry::Vec3& position_O) {
+  if (!position_O.allFinite()) throw std::invalid_argument("vehicle position is not finite");
+  const std::lock_guard<std::mutex> lock(mutex_);
+  vehicle_O_ = position_O;
+}
+
+void NavigationMap::clear_local() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  local_ = Layer{};
+}
+
+void NavigationMap::clear_obstacles() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  obstacles_ = Layer{};
+}
+
+std::shared_ptr<const planning::OccupancyView> NavigationMap::view() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (local_.grid == nullptr || !T_W_O_ || !vehicle_O_) return nullptr;
+  return std::make_shared<NavigationView>(config_,
+                                          NavigationView::Content{local_.grid, obstacles_.grid, *T_W_O_, *vehicle_O_});
+}
+
+}  // namespace voxnav::pipeline

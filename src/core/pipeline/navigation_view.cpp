@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/pipeline/navigation_view.hpp"
+
+#include <cmath>
+
+namespace voxnav::pipeline {
+
+using containers::State;
+using containers::StateBlock;
+using geometry::Index3;
+using geometry::Vec3;
+using planning::BlockMask;
+
+namespace {
+constexpr int kSide = geometry::kBlockSide;
+}
+
+NavigationView::NavigationView(const NavigationMapConfig& config, Content content)
+    : config_(config), content_(std::move(content)) {
+  const Vec3& p = content_.vehicle_O;
+  const Vec3 footprint(config.footprint_radius_m, config.footprint_radius_m, config.footprint_half_height_m);
+  footprint_ = {p - footprint, p + footprint};
+  // Altitudes are limits of the map frame, which is upright in O as well.
+  const double shift = content_.T_W_O.translation().z();
+  bounds_.min = Vec3(p.x() - config.range_m, p.y() - config.range_m, config.min_altitude_m - shift);
+  bounds_.max = Vec3(p.x() + config.range_m, p.y() + config.range_m, config.max_altitude_m - shift);
+  // A vehicle below or above the limits must be able to come back.
+  bounds_.min.z() = std::min(bounds_.min.z(), footprint_.min.z());
+  bounds_.max.z() = std::max(bounds_.max.z(), footprint_.max.z());
+}
+
+bool NavigationView::is_in_footprint(const Index3& voxel) const {
+  const Vec3 offset = geometry::center_of(voxel, resolution_m()) - content_.vehicle_O;
+  return offset.head<2>().squaredNorm() <= config_.footprint_radius_m * config_.footprint_radius_m &&
+         std::abs(offset.z()) <= config_.footprint_half_height_m;
+}
+
+State NavigationView::state(const Index3& voxel) const {
+  const State known = content_.local->state(voxel);
+  return known == State::kUnknown && is_in_footprint(voxel) ? State::kFree : known;
+}
+
+geometry::Aabb NavigationView::box_of(const Index3& block) const {
+  const double side = kSide * resolution_m();
+  const Vec3 corner = Vec3(block.x, block.y, block.z) * side;
+  return {corner, corner + Vec3::Constant(side)};
+}
+
+const StateBlock* NavigationView::block(const Index3& block, StateBlock* scratch) const {
+  const StateBlock* known = content_.local->find_block(block);
+  if (!box_of(block).intersects(footprint_)) return known;
+  *scratch = known != nullptr ? *known : StateBlock{};
+  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+    if (scratch->get(offset) == State::kUnknown && is_in_footprint(geometry::voxel_at(block, offset))) {
+      scratch->set(offset, State::kFree);
+    }
+  }
+  return scratch;
+}
+
+bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) const {
+  bool is_any = false;
+  const double shift = content_.T_W_O.translation().z();
+  for (int z = 0; z < kSide; ++z) {
+    const double altitude = (block.z * kSide + z + 0.5) * resolution_m() + shift;
+    if (altitude >= config_.min_altitude_m && altitude <= config_.max_altitude_m) continue;
+    for (int offset = z * kSide * kSide; offset < (z + 1) * kSide * kSide; ++offset) {
+      if (is_in_footprint(geometry::voxel_at(block, offset))) continue;
+      hard->set(offset);
+      is_any = true;
+    }
+  }
+  return is_any;
+}
+
+bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) const {
+  if (content_.obstacles == nullptr) return false;
+  const containers::StateGrid& obstacles = *content_.obstacles;
+  const double side = kSide * obstacles.resolution_m();
+  const geometry::Aabb box_W = box_of(block).transformed(content_.T_W_O);
+  const Index3 low = geometry::index_of(box_W.min, side);
+  const Index3 high = geometry::index_of(box_W.max, side);
+  bool is_near = false;
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) is_near = is_near || obstacles.find_block({x, y, z}) != nullptr;
+    }
+  }
+  if (!is_near) return false;
+  bool is_any = false;
+  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+    const Vec3 p_W = content_.T_W_O * geometry::center_of(geometry::voxel_at(block, offset), resolution_m());
+    if (obstacles.state(p_W) != State::kOccupied) continue;
+    mask->set(offset);
+    is_any = true;
+  }
+  return is_any;
+}
+
+bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* soft) const {
+  const bool has_altitudes = forbid_altitudes(block, hard);
+  const bool has_obstacles = forbid_obstacles(block, config_.local_knows_better ? soft : hard);
+  return has_altitudes || has_obstacles;
+}
+
+}  // namespace voxnav::pipeline

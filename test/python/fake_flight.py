@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A vehicle that follows trajectories exactly, in a world that it sees within a range: drives a PlanningManager."""
+
+import numpy as np
+
+import voxnav
+
+LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
+RESOLUTION = 0.4
+TICK_S = 0.05
+
+
+class FakeFlight:
+    def __init__(self, truth, origin, start, known_range_m=20.0, T_W_O=None, **config):
+        """truth: (nx, ny, nz) int8 states; origin: lowest corner in O; start: position in O."""
+        self.truth = truth.copy()
+        self.origin = np.asarray(origin, dtype=float)
+        self.position = np.asarray(start, dtype=float)
+        self.velocity = np.zeros(3)
+        self.known_range_m = known_range_m
+        self.known = np.zeros_like(truth)
+        self.T_W_O = np.eye(4) if T_W_O is None else T_W_O
+        self.map = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0, max_altitude_m=20.0))
+        self.config = voxnav.PlanningManagerConfig(**config)
+        self.manager = voxnav.PlanningManager(self.config, -5.0, 20.0)
+        self.planner = voxnav.AStarPlanner(
+            voxnav.AStarConfig(unknown_policy="penalise", safety_distance_m=0.9, simplify=True, timeout_s=20.0)
+        )
+        self.now = 100.0
+        self.flown = None  # (points, dt, begin)
+        self.log, self.track = [], []
+        self.fails = set()  # kinds of actions that the services refuse
+        self.silent = set()  # kinds that are never answered
+        self.lost = set()  # inputs that are no longer updated
+        self.sequence = 0
+
+    def look(self):
+        """The map learns everything within the range."""
+        axes = [self.origin[k] + (np.arange(n) + 0.5) * RESOLUTION - self.position[k]
+                for k, n in enumerate(self.truth.shape)]
+        near = axes[0][:, None, None] ** 2 + axes[1][:, None] ** 2 + axes[2] ** 2 < self.known_range_m ** 2
+        if np.array_equal(self.known[near], self.truth[near]):
+            return
+        self.known[near] = self.truth[near]
+        grid = voxnav.StateGrid.from_array(self.known, self.origin, RESOLUTION)
+        self.sequence += 1
+        assert self.map.apply_local(self.sequence, RESOLUTION, **grid.snapshot()) == "applied"
+
+    def position_at(self, time_s):
+        if self.flown is None:
+            return self.position
+        points, dt, begin = self.flown
+        at = np.clip((time_s - begin) / dt, 0.0, len(points) - 1)
+        low = int(at)
+        high = min(low + 1, len(points) - 1)
+        return points[low] + (at - low) * (points[high] - points[low])
+
+    def tell(self):
+        m, now = self.manager, self.now
+        self.map.set_vehicle(self.position)
+        self.map.set_T_W_O(self.T_W_O)
+        if "odometry" not in self.lost:
+            m.set_vehicle(now, self.position, self.velocity)
+        if "tracker" not in self.lost:
+            times = now + 0.01 + 0.2 * np.arange(40)
+            m.set_prediction(now, list(times), np.array([self.position_at(t) for t in times]))
+        if "map" not in self.lost:
+            m.set_map_stamp(now)
+        if "correction" not in self.lost:
+            m.set_T_W_O(now, self.T_W_O)
+        m.set_control(now, True, True)
+        m.set_limits(now, LIMITS)
+
+    def step(self):
+        before = self.position
+        self.now += TICK_S
+        self.position = self.position_at(self.now)
+        self.velocity = (self.position - before) / TICK_S
+        self.track.append(self.position)
+        self.tell()
+        if len(self.track) % 10 == 0 and "map" not in self.lost:
+            self.look()
+        self.do(self.manager.tick(self.now))
+        if len(self.track) % 2 == 0:
+            self.do(self.manager.check(self.map.view(), self.now))
+
+    def fly(self, seconds, until=lambda flight: False):
+        for _ in range(int(seconds / TICK_S)):
+            self.step()
+            if until(self):
+                return True
+        return False
+
+    def do(self, actions):
+        for action in actions:
+            self.log.append((action.kind, action.reason))
+            if action.kind not in self.silent:
+                self.do(self.answer(action) or [])
+
+    def answer(self, action):
+        problem = "refused for the test" if action.kind in self.fails else ""
+        if action.kind == "plan":
+            outcome = voxnav.run_plan_job(self.planner, self.config, self.map.view(), action.start_O, action.goal_O,
+                                          LIMITS)
+            return self.manager.plan_done(action.job, outcome, self.now)
+        if action.kind == "generate":
+            trajectory = None if problem else self.generate(action)
+            return self.manager.generate_done(action.job, problem, trajectory, self.map.view(), self.now)
+        if action.kind == "publish":
+            if not problem:
+                self.flown = (action.trajectory.points, action.trajectory.dt_s, self.now)
+            return self.manager.publish_done(action.job, problem, self.now)
+        if not problem:
+            self.flown = None  # stops on the spot
+        self.manager.hover_done(problem, self.now)
+
+    def generate(self, action):
+        """What MRS does: prediction until the start, then along the waypoints, starting and ending at rest."""
+        points = []
+        if action.start_stamp_s is not None:
+            points = [self.position_at(t) for t in np.arange(self.now, action.start_stamp_s, 0.2)]
+        line = [self.position if action.start_stamp_s is None else points[-1]] + list(action.waypoints_O)
+        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        for s in np.arange(0.0, length[-1], 0.3):
+            points.append(np.array([np.interp(s, length, np.array(line)[:, k]) for k in range(3)]))
+        points.append(np.asarray(line[-1]))
+        return voxnav.Trajectory(np.array(points), 0.2)
+
+    def count(self, kind):
+        return sum(1 for entry in self.log if entry[0] == kind)
+
+    def clearance(self):
+        """Smallest distance between the flown track and the centres of occupied voxels of the truth."""
+        centers = self.origin + (np.argwhere(self.truth == 2) + 0.5) * RESOLUTION
+        if len(centers) == 0:
+            return np.inf
+        return min(np.linalg.norm(centers - p, axis=1).min() for p in self.track)

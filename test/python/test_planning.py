@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Searching and corridor checks through the bindings, and the combined map."""
+
+import numpy as np
+import pytest
+
+import voxnav
+
+
+def free_grid(shape=(40, 20, 10), origin=(0.0, 0.0, 0.0), resolution_m=0.4):
+    return voxnav.StateGrid.from_array(np.ones(shape, dtype=np.int8), origin, resolution_m)
+
+
+def test_plan_returns_a_named_status_and_a_path_of_cell_centres():
+    planner = voxnav.AStarPlanner(voxnav.AStarConfig(safety_distance_m=0.0))
+    result = planner.plan(free_grid(), (0.2, 0.2, 0.2), (10.2, 0.2, 0.2))
+    assert result.status == "complete" and not result.partial
+    assert result.path.shape == (26, 3) and result.path.dtype == np.float64
+    assert np.allclose(result.path[-1], (10.2, 0.2, 0.2))
+    assert result.cost_m == pytest.approx(10.0)
+    assert result.expansions == 26 and result.seconds > 0.0 and result.memory_bytes > 0
+
+
+def test_plan_answers_bad_positions_and_refuses_bad_arguments():
+    planner = voxnav.AStarPlanner()
+    result = planner.plan(free_grid(), (float("nan"), 0.0, 0.0), (1.0, 1.0, 1.0))
+    assert result.status == "invalid_input" and result.path.shape == (0, 3)
+    assert planner.plan(free_grid(), (4.2, 4.2, 2.2), (1e9, 0.0, 0.0)).status == "outside_map"
+    with pytest.raises(ValueError, match="three numbers"):
+        planner.plan(free_grid(), (0.0, 0.0), (1.0, 1.0, 1.0))
+    with pytest.raises(ValueError, match="view must be"):
+        planner.plan(np.zeros(3), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    with pytest.raises(voxnav.ConfigError, match="unknown_policy"):
+        voxnav.AStarConfig(unknown_policy="hope")
+
+
+@pytest.mark.parametrize("goal", [(30.0, 10.0, 4.0), (500.0, 10.0, 4.0), (30.0, 10.0, -30.0)],
+                         ids=["inside a tree", "outside the window", "under the ground"])
+def test_goals_that_cannot_be_reached_are_answered_within_the_limits(goal):
+    states = np.ones((200, 50, 25), dtype=np.int8)
+    states[:, :, 0:2] = 2
+    states[72:79, 22:29, :] = 2
+    grid = voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.4)
+    config = voxnav.AStarConfig(safety_distance_m=0.8, timeout_s=0.9, max_memory_mib=64.0)
+    result = voxnav.AStarPlanner(config).plan(grid, (4.0, 10.0, 4.0), goal)
+    assert result.status in ("goal_blocked", "outside_map")
+    assert result.partial and len(result.path) > 10
+    assert result.memory_bytes <= 64 * 2 ** 20
+
+
+def test_corridor_lets_only_known_free_space_pass():
+    states = np.ones((40, 20, 20), dtype=np.int8)
+    states[25, 10, 10] = 0
+    grid = voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.4)
+    line = np.array([[2.0, 4.2, 4.2], [14.0, 4.2, 4.2]])
+    result = voxnav.check_corridor(grid, line, 0.5)
+    assert not result.safe and result.unsafe_state == 0
+    assert result.first_unsafe_m == pytest.approx(8.0 - 0.5)
+    assert voxnav.check_corridor(grid, line, 0.5, allow_unknown=True).safe
+    with pytest.raises(ValueError, match="points"):
+        voxnav.check_corridor(grid, line.astype(np.float32), 0.5)
+
+
+def navigation_map(**config):
+    """Local map: free box of 16 m around the origin of O, vehicle in it."""
+    nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(**config))
+    local = free_grid((40, 40, 40), (-8.0, -8.0, -8.0))
+    assert nav.view() is None
+    assert nav.apply_local(1, 0.4, **local.snapshot()) == "applied"
+    nav.set_vehicle((0.0, 0.0, 0.0))
+    assert nav.view() is None
+    nav.set_T_W_O(np.eye(4))
+    return nav
+
+
+def states_of(view, *points):
+    return list(view.states(np.array(points, dtype=np.float32)))
+
+
+def test_navigation_map_frees_only_unknown_space_around_the_vehicle():
+    nav = navigation_map(footprint_radius_m=1.0, footprint_half_height_m=1.0)
+    states = np.ones((40, 40, 40), dtype=np.int8)
+    states[18:22, 18:22, 18:22] = 0
+    states[20, 20, 20] = 2
+    states[30:, :, :] = 0
+    grid = voxnav.StateGrid.from_array(states, (-8.0, -8.0, -8.0), 0.4)
+    assert nav.apply_local(2, 0.4, **grid.snapshot()) == "applied"
+    assert states_of(nav.view(), (-0.2, -0.2, -0.2), (0.2, 0.2, 0.2), (6.0, 0.0, 0.0)) == [1, 2, 0]
+
+
+def test_navigation_map_changes_follow_each_other_without_a_gap():
+    nav = navigation_map()
+    empty = dict(block_indices=np.zeros((0, 3), dtype=np.int32), states=b"", is_snapshot=False)
+    gone = np.array([[0, 0, 0]], dtype=np.int32)
+    assert nav.apply_local(2, 0.4, removed=gone, **empty) == "applied"
+    assert states_of(nav.view(), (3.0, 3.0, 3.0), (-3.0, 3.0, 3.0)) == [0, 1]
+    assert nav.apply_local(2, 0.4, removed=gone, **empty) == "ignored"
+    assert nav.apply_local(5, 0.4, removed=gone, **empty) == "needs_snapshot"
+    assert nav.apply_local(3, 0.2, removed=gone, **empty) == "needs_snapshot"
+    answers = [nav.apply_local(1, 0.4, removed=gone, **empty) for _ in range(10)]
+    assert answers[0] == "ignored" and answers[-1] == "needs_snapshot", "a source that starts anew is noticed"
+    with pytest.raises(ValueError):
+        nav.apply_local(3, 0.4, block_indices=np.array([[0, 0, 0]], dtype=np.int32), states=b"123",
+                        removed=gone, is_snapshot=False)
+
+
+def test_navigation_views_are_snapshots():
+    nav = navigation_map()
+    before = nav.view()
+    nav.apply_local(2, 0.4, block_indices=np.zeros((0, 3), dtype=np.int32), states=b"",
+                    removed=np.array([[0, 0, 0]], dtype=np.int32), is_snapshot=False)
+    assert states_of(before, (3.0, 3.0, 3.0)) == [1]
+    assert states_of(nav.view(), (3.0, 3.0, 3.0)) == [0]
+
+
+def test_obstacles_of_the_global_map_move_with_the_correction_and_give_way_to_local_knowledge():
+    def far_side(nav, goal=(7.0, 0.2, 0.2)):
+        config = voxnav.AStarConfig(safety_distance_m=0.6, clearance_distance_m=0.0, goal_search_radius_m=0.0)
+        return voxnav.AStarPlanner(config).plan(nav.view(), (0.2, 0.2, 0.2), goal)
+
+    wall = np.ones((5, 60, 60), dtype=np.int8) * 2
+    obstacles = voxnav.StateGrid.from_array(wall, (12.0, -12.0, -12.0), 0.4)
+    nav = navigation_map(local_knows_better=False, min_altitude_m=-20.0)
+    nav.apply_obstacles(1, 0.4, **obstacles.snapshot())
+    assert far_side(nav).status == "complete"
+    T_W_O = np.eye(4)
+    T_W_O[0, 3] = 8.8  # the wall stands at x = 3.2 m in O now
+    nav.set_T_W_O(T_W_O)
+    assert far_side(nav).status == "partial_blocked"
+    nav = navigation_map(local_knows_better=True, min_altitude_m=-20.0)
+    nav.apply_obstacles(1, 0.4, **obstacles.snapshot())
+    nav.set_T_W_O(T_W_O)
+    assert far_side(nav).status == "complete", "the local map sees free space all around: the wall is gone"
+
+
+def test_altitude_limits_hold_in_the_map_frame():
+    nav = navigation_map(min_altitude_m=1.0, max_altitude_m=20.0)
+    T_W_O = np.eye(4)
+    T_W_O[2, 3] = 2.0  # O starts 2 m above the map's origin
+    nav.set_T_W_O(T_W_O)
+    config = voxnav.AStarConfig(safety_distance_m=0.0, goal_search_radius_m=0.0)
+    planner = voxnav.AStarPlanner(config)
+    assert planner.plan(nav.view(), (0.2, 0.2, 0.2), (5.0, 0.2, -0.6)).status == "complete"
+    assert planner.plan(nav.view(), (0.2, 0.2, 0.2), (5.0, 0.2, -1.8)).status in ("goal_blocked", "outside_map")

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The planning manager's states, driven by a fake vehicle."""
+
+import numpy as np
+import pytest
+
+import voxnav
+from fake_flight import FakeFlight
+
+IDLE, PLANNING, MOVING = 0, 1, 2
+SIZE = (110, 50, 20)
+ORIGIN = (-4.0, -10.0, -4.0)
+START = (0.0, 0.0, 0.0)
+
+
+def world(*boxes):
+    """Free space with occupied boxes (lowest and highest corner, metres in O)."""
+    truth = np.ones(SIZE, dtype=np.int8)
+    for low, high in boxes:
+        a = np.floor((np.array(low) - ORIGIN) / 0.4).astype(int)
+        b = np.ceil((np.array(high) - ORIGIN) / 0.4).astype(int)
+        a, b = np.maximum(a, 0), np.maximum(b, 0)
+        truth[a[0]:b[0], a[1]:b[1], a[2]:b[2]] = 2
+    return truth
+
+
+WALL = ((12.0, -3.0, -4.0), (13.0, 3.0, 4.0))
+
+
+def started(truth, goal, **kwargs):
+    flight = FakeFlight(truth, ORIGIN, START, **kwargs)
+    flight.look()
+    flight.tell()
+    assert flight.manager.set_goal(goal, None, flight.now) == ""
+    return flight
+
+
+def reached(flight):
+    return flight.manager.status["is_goal_reached"]
+
+
+def moving(flight):
+    return flight.manager.status["state"] == MOVING
+
+
+def test_flies_around_an_unseen_wall_to_the_goal():
+    flight = started(world(WALL), (25.0, 0.0, 0.0), known_range_m=8.0)
+    assert flight.fly(60.0, reached), flight.manager.status
+    assert flight.manager.status["state"] == IDLE
+    assert "goal reached" in flight.manager.status["reason"]
+    assert np.linalg.norm(flight.position - (25.0, 0.0, 0.0)) < 0.8
+    assert flight.clearance() > 0.5
+    assert flight.count("hover") == 0
+
+
+def test_goal_is_kept_in_the_map_frame():
+    shift = np.eye(4)
+    shift[:3, 3] = (2.0, 1.0, 0.5)
+    flight = started(world(), (20.0, 2.0, 1.0), T_W_O=shift)
+    assert flight.fly(5.0, moving)
+    corrected = shift.copy()
+    corrected[:3, 3] = (3.0, 0.0, 0.5)  # the graph has changed in flight
+    flight.T_W_O = corrected
+    assert flight.fly(40.0, reached), flight.manager.status
+    assert np.linalg.norm(flight.position - (17.0, 2.0, 0.5)) < 0.8
+
+
+def test_an_obstacle_that_appears_shortens_the_trajectory_and_the_flight_goes_on():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.truth = world(WALL)
+    flight.look()
+    assert flight.fly(60.0, reached), flight.manager.status
+    assert flight.manager.status["num_shortened"] >= 1
+    assert flight.clearance() > 0.5
+
+
+def test_an_obstacle_too_near_to_stop_before_makes_it_brake():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 8.0)
+    box = ((flight.position[0] + 1.4, -3.0, -4.0), (flight.position[0] + 2.4, 3.0, 4.0))
+    flight.truth = world(box)
+    flight.look()
+    flight.fly(0.2)
+    assert flight.log[-1][0] in ("hover", "plan", "generate", "publish")
+    assert any(kind == "hover" and reason.startswith("brake") for kind, reason in flight.log)
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+@pytest.mark.parametrize("what, words", [("map", "local map lost"), ("odometry", "odometry lost"),
+                                         ("tracker", "tracker prediction lost"), ("correction", "map correction lost")])
+def test_a_lost_input_leads_to_hover_with_a_reason_and_the_flight_resumes(what, words):
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.lost.add(what)
+    flight.fly(4.0)
+    status = flight.manager.status
+    assert status["state"] == IDLE and words in status["reason"] and status["goal_W"] is not None
+    assert flight.count("hover") == 1
+    assert np.linalg.norm(flight.velocity) == 0.0
+    flight.lost.clear()
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+def test_a_lost_node_leads_to_hover_and_the_flight_resumes():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, moving)
+    flight.manager.set_lost_nodes(["submap_integrator"])
+    flight.fly(1.0)
+    assert flight.manager.status["reason"] == "hover: submap_integrator is not running"
+    flight.manager.set_lost_nodes([])
+    assert flight.fly(60.0, reached)
+
+
+@pytest.mark.parametrize("kind, words", [("generate", "trajectory generator: refused"),
+                                         ("publish", "trajectory refused")])
+def test_a_refusing_service_is_named_and_tried_again(kind, words):
+    flight = started(world(), (10.0, 0.0, 0.0))
+    flight.fails.add(kind)
+    flight.fly(3.0)
+    assert words in flight.manager.status["reason"]
+    assert np.array_equal(flight.position, START)
+    flight.fails.clear()
+    assert flight.fly(30.0, reached)
+
+
+@pytest.mark.parametrize("kind", ["plan", "generate", "publish"])
+def test_a_service_that_never_answers_is_named_and_tried_again(kind):
+    flight = started(world(), (10.0, 0.0, 0.0))
+    flight.silent.add(kind)
+    flight.fly(5.0)
+    assert "does not answer" in flight.manager.status["reason"]
+    flight.silent.clear()
+    assert flight.fly(30.0, reached)
+
+
+def test_hover_is_repeated_until_it_is_accepted():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, moving)
+    flight.fails.add("hover")
+    flight.do(flight.manager.stop("stopped by the user", flight.now))
+    flight.fly(3.5)
+    assert flight.count("hover") >= 3
+    flight.fails.clear()
+    flight.fly(2.0)
+    hovers = flight.count("hover")
+    flight.fly(3.0)
+    assert flight.count("hover") == hovers
+    assert flight.manager.status["state"] == IDLE
+    assert flight.manager.status["goal_W"] is None
+
+
+def test_goal_inside_an_obstacle_ends_near_it_with_a_reason():
+    flight = started(world(((18.0, -2.0, -4.0), (20.0, 2.0, 4.0))), (19.0, 0.0, 0.0))
+    assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None), flight.manager.status
+    status = flight.manager.status
+    assert not status["is_goal_reached"]
+    assert "goal cannot be reached" in status["reason"] and "obstacle" in status["reason"]
+    assert 0.9 < np.linalg.norm(flight.position - (19.0, 0.0, 0.0)) < 4.0
+
+
+def test_an_enclosed_vehicle_is_reported_stuck():
+    flight = started(world(((2.0, -10.0, -4.0), (3.0, 10.0, 4.0))), (20.0, 0.0, 0.0), stuck_time_s=5.0)
+    assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None)
+    assert flight.manager.status["reason"].startswith("stuck: ")
+    assert flight.position[0] < 1.6
+
+
+def test_nothing_is_flown_into_unknown_space():
+    flight = started(world(), (25.0, 0.0, 0.0), known_range_m=6.0, stuck_time_s=4.0)
+    flight.lost.add("look")
+    flight.look = lambda: None  # the map stops growing, but stays fresh
+    assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None)
+    assert "unknown" in flight.manager.status["reason"]
+    assert flight.position[0] < 6.0
+
+
+def test_unusable_goals_are_refused_with_a_reason():
+    manager = voxnav.PlanningManager(voxnav.PlanningManagerConfig(), 0.5, 20.0)
+    assert manager.set_goal((float("nan"), 0.0, 2.0), None, 0.0) == "goal is not finite"
+    assert manager.set_goal((1.0, 0.0, 2.0), float("inf"), 0.0) == "goal is not finite"
+    assert "below" in manager.set_goal((1.0, 0.0, -3.0), None, 0.0)
+    assert "above" in manager.set_goal((1.0, 0.0, 30.0), None, 0.0)
+    assert "100 km" in manager.set_goal((1e9, 0.0, 2.0), None, 0.0)
+    assert manager.status["goal_W"] is None
+    assert manager.tick(0.1) == []
+
+
+def test_a_clock_that_jumps_back_leads_to_hover_and_recovery():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, moving)
+    flight.now -= 50.0
+    flight.flown = (flight.flown[0], flight.flown[1], flight.flown[2] - 50.0)
+    flight.step()
+    assert flight.count("hover") == 1
+    assert "clock jumped back" in flight.log[-1][1]
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+def test_a_new_goal_in_flight_replaces_the_old_one():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 5.0)
+    assert flight.manager.set_goal((0.0, 8.0, 0.0), None, flight.now) == ""
+    assert flight.fly(60.0, reached), flight.manager.status
+    assert np.linalg.norm(flight.position - (0.0, 8.0, 0.0)) < 0.8
+
+
+def test_bad_configuration_is_refused():
+    with pytest.raises(voxnav.ConfigError):
+        voxnav.PlanningManagerConfig(corridor_radius_m=0.4)
+    with pytest.raises(voxnav.ConfigError):
+        voxnav.PlanningManagerConfig(no_such_field=1.0)
