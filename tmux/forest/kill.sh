@@ -1,0 +1,3 @@
+#!/usr/bin/env bash
+# Ends the session.
+tmux -L mrs kill-session -t simulation
