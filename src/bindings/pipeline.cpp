@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "floors.hpp"
+#include "offline_config.hpp"
 #include "planning_manager.hpp"
 
 namespace voxnav::bindings {
 
-void bind_pipeline(pybind11::module_& m) { bind_planning_manager(m); }
+void bind_pipeline(pybind11::module_& m) {
+  bind_planning_manager(m);
+  bind_offline_config(m);
+}
 
 }  // namespace voxnav::bindings

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav::pipeline {
+
+/// What the offline runner (scripts/map_bag) needs to know beside the parts it runs.
+struct OfflineConfig {
+  std::string cloud_topic;
+  std::string odometry_topic;
+  std::string imu_topic;
+  std::string pose_source = "auto";
+  std::array<double, 3> mount_position_m{0.0, 0.0, 0.0};
+  std::array<double, 3> mount_rpy_rad{0.0, 0.0, 0.0};
+  double vehicle_radius_m = 0.0;
+  double safety_distance_m = 1.5;
+  bool write_mesh = true;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = OfflineConfig;
+    v("cloud_topic", &C::cloud_topic, base::any(), "", "topic of the clouds in a bag; empty = the only one there is");
+    v("odometry_topic", &C::odometry_topic, base::any(), "", "topic of body poses in a bag; empty = found by type");
+    v("imu_topic", &C::imu_topic, base::any(), "", "topic of the IMU in a bag; empty = found by type");
+    v("pose_source", &C::pose_source, base::one_of({"auto", "recording", "lidar"}), "",
+      "auto takes the recording's poses where it has them, and LiDAR odometry otherwise");
+    v("mount_position_m", &C::mount_position_m, base::in(-10, 10), "m", "position of the LiDAR on the body");
+    v("mount_rpy_rad", &C::mount_rpy_rad, base::in(-6.3, 6.3), "rad", "roll, pitch and yaw of the LiDAR on the body");
+    v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0, 5), "m",
+      "cells this close to the sensor are free, because the vehicle is there");
+    v("safety_distance_m", &C::safety_distance_m, base::in(0.1, 10), "m",
+      "obstacles.ply: nearer to a surface than this");
+    v("write_mesh", &C::write_mesh, base::any(), "", "write mesh.ply, which takes most of the closing time");
+  }
+};
+
+}  // namespace voxnav::pipeline

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "offline_config.hpp"
+
+#include "bind_config.hpp"
+#include "voxnav/pipeline/offline_config.hpp"
+
+namespace voxnav::bindings {
+
+void bind_offline_config(py::module_& m) {
+  bind_config<pipeline::OfflineConfig>(m, "OfflineConfig", "What scripts/map_bag needs beside the parts it runs.");
+}
+
+}  // namespace voxnav::bindings
