@@ -1,8 +1,205 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+
+#include "arrays.hpp"
+#include "bind_config.hpp"
 #include "floors.hpp"
+#include "voxnav/geometry/distance_field.hpp"
+#include "voxnav/graph/submap_graph.hpp"
+#include "voxnav/graph/trajectory.hpp"
 
 namespace voxnav::bindings {
+namespace {
 
-void bind_graph(pybind11::module_&) {}
+using geometry::DistanceField;
+using graph::ConstraintKind;
+using graph::SubmapGraph;
+
+ConstraintKind kind_from(const std::string& name) {
+  const auto kind = graph::kind_of(name);
+  if (!kind) throw py::value_error("kind must be odometry, registration, loop, gnss or height, got '" + name + "'");
+  return *kind;
+}
+
+graph::Matrix4 matrix4_of(const py::array& array, const char* name) {
+  return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data_of<double>(array, name, {4, 4}));
+}
+
+Eigen::Matrix3d matrix3_of(const py::array& array, const char* name) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_of<double>(array, name, {3, 3}));
+}
+
+template <class Pick>
+py::dict per_kind(const graph::OptimizeReport& report, const Pick& pick) {
+  py::dict out;
+  for (int k = 0; k < graph::kNumConstraintKinds; ++k) {
+    out[graph::name_of(static_cast<ConstraintKind>(k))] = pick(report.kinds[k]);
+  }
+  return out;
+}
+
+void bind_report(py::module_& m) {
+  using Report = graph::OptimizeReport;
+  using Kind = graph::KindReport;
+  py::class_<Report>(m, "OptimizeReport",
+                     "What SubmapGraph.optimize() did. Costs are sums of squared residuals in sigmas.")
+      .def_property_readonly(
+          "costs_before", [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.cost_before; }); },
+          "dict: constraint kind -> cost of the input.")
+      .def_property_readonly(
+          "costs", [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.cost_after; }); },
+          "dict: constraint kind -> cost of the result.")
+      .def_property_readonly(
+          "num_constraints",
+          [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.num_constraints; }); },
+          "dict: constraint kind -> constraints that took part.")
+      .def_readonly("cost_before", &Report::cost_before)
+      .def_readonly("cost_after", &Report::cost_after)
+      .def_readonly("is_converged", &Report::is_converged)
+      .def_readonly("is_input_kept", &Report::is_input_kept, "No better poses were found, or none were needed.")
+      .def_readonly("iterations", &Report::iterations)
+      .def_readonly("num_submaps", &Report::num_submaps)
+      .def_readonly("pairs", &Report::num_pairs, "Overlapping pairs in the graph.")
+      .def_readonly("num_new_pairs", &Report::num_new_pairs)
+      .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations)
+      .def_readonly("num_searches", &Report::num_searches)
+      .def_readonly("seconds", &Report::seconds, "CPU time.")
+      .def_property_readonly(
+          "rejected_loops",
+          [](const Report& r) {
+            py::list out;
+            for (const graph::RejectedLoop& loop : r.rejected_loops)
+              out.append(py::make_tuple(loop.a, loop.b, loop.reason));
+            return out;
+          },
+          "List of (a, b, reason).");
+}
+
+void add_relative_pose(SubmapGraph& g, int a, int b, const py::array& T_a_b, const py::array& information,
+                       const std::string& kind) {
+  g.add_relative_pose(a, b, pose_of(T_a_b, "T_a_b"), matrix4_of(information, "information"), kind_from(kind));
+}
+
+py::dict poses(const SubmapGraph& g) {
+  py::dict out;
+  for (const auto& [id, pose] : g.poses()) out[py::int_(id)] = pose_array(pose);
+  return out;
+}
+
+py::list constraints(const SubmapGraph& g) {
+  py::list out;
+  for (const graph::ConstraintView& c : g.constraints()) {
+    out.append(py::make_tuple(graph::name_of(c.kind), c.a, c.b, c.cost, c.is_used));
+  }
+  return out;
+}
+
+void bind_constraints(py::class_<SubmapGraph>& cls) {
+  cls.def("add_relative_pose", &add_relative_pose, py::arg("a"), py::arg("b"), py::arg("T_a_b"), py::arg("information"),
+          py::arg("kind") = "odometry",
+          "Pose of submap b in submap a, with the (4, 4) information of (x, y, z, yaw). kind: odometry or loop.");
+  cls.def(
+      "add_position",
+      [](SubmapGraph& g, int id, const py::object& p_S, const py::object& p_W, const py::array& covariance) {
+        g.add_position(id, vec3_of(p_S, "p_S"), vec3_of(p_W, "p_W"), matrix3_of(covariance, "covariance"));
+      },
+      py::arg("id"), py::arg("p_S"), py::arg("p_W"), py::arg("covariance"),
+      "The point p_S of a submap was measured at p_W in the map frame, with (3, 3) covariance in m^2. Robust.");
+  cls.def(
+      "add_gnss_position",
+      [](SubmapGraph& g, int id, const py::object& p_S, const py::object& p_G, const py::array& covariance) {
+        g.add_gnss_position(id, vec3_of(p_S, "p_S"), vec3_of(p_G, "p_G"), matrix3_of(covariance, "covariance"));
+      },
+      py::arg("id"), py::arg("p_S"), py::arg("p_G"), py::arg("covariance"),
+      "The same in a frame G whose shift and heading in the map are unknown and estimated.");
+  cls.def(
+      "add_height",
+      [](SubmapGraph& g, int id, const py::object& p_S, double height_m, double sigma_m) {
+        g.add_height(id, vec3_of(p_S, "p_S"), height_m, sigma_m);
+      },
+      py::arg("id"), py::arg("p_S"), py::arg("height_m"), py::arg("sigma_m"),
+      "The point p_S of a submap is at this height in the map frame. Robust.");
+  cls.def(
+      "set_kind_enabled",
+      [](SubmapGraph& g, const std::string& kind, bool is_enabled) { g.set_kind_enabled(kind_from(kind), is_enabled); },
+      py::arg("kind"), py::arg("is_enabled"), "Switches all constraints of a kind on or off.");
+}
+
+void bind_submap_graph(py::module_& m) {
+  py::class_<SubmapGraph> cls(m, "SubmapGraph",
+                              "Pose graph of submaps (x, y, z, yaw each). The submap with the smallest id stays.");
+  cls.def(py::init<const graph::SubmapGraphConfig&>(), py::arg("config") = graph::SubmapGraphConfig());
+  cls.def(
+      "add_submap",
+      [](SubmapGraph& g, int id, const py::array& T_W_S, const std::shared_ptr<DistanceField>& submap) {
+        g.add_submap(id, pose_of(T_W_S, "T_W_S"), submap);
+      },
+      py::arg("id"), py::arg("T_W_S"), py::arg("submap") = py::none(),
+      "A submap and where it is thought to be. With `submap` (a DistanceField) it is registered to others.");
+  bind_constraints(cls);
+  cls.def("optimize", &SubmapGraph::optimize, py::arg("full") = false, py::call_guard<py::gil_scoped_release>(),
+          "Moves the submaps to where the constraints fit best; never worse than before. Returns OptimizeReport.\n\n"
+          "full: register every pair anew, with ten times the work allowed.");
+  cls.def("poses", &poses, "dict: id -> T_W_S, (4, 4) float64.");
+  cls.def("constraints", &constraints, "List of (kind, a, b, squared residual in sigmas, is_used).");
+  cls.def_property_readonly(
+      "gnss_datum",
+      [](const SubmapGraph& g) -> py::object {
+        const auto datum = g.gnss_datum();
+        return datum ? py::object(pose_array(*datum)) : py::object(py::none());
+      },
+      "T_W_G, or None before the first solve with GNSS positions.");
+  cls.def_property_readonly("num_submaps", &SubmapGraph::num_submaps);
+  cls.def("to_g2o", &SubmapGraph::to_g2o, "Poses, odometry and loops as g2o text.");
+  cls.def_static("from_g2o", &SubmapGraph::from_g2o, py::arg("text"), py::arg("config") = graph::SubmapGraphConfig(),
+                 "Graph from g2o text (SE3:QUAT or SE2). Neighbouring ids become odometry, others loops.\n\n"
+                 "Raises ValueError naming line and fault.");
+}
+
+std::vector<geometry::Pose> poses_of(const py::array& array, const char* name) {
+  const double* data = data_of<double>(array, name, {-1, 4, 4});
+  std::vector<geometry::Pose> out(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data + 16 * i);
+    if (!geometry::is_valid(out[i]))
+      throw py::value_error(std::string(name) + ": row " + std::to_string(i) + " is no rigid transform");
+  }
+  return out;
+}
+
+py::array_t<double> correct_trajectory(const py::array& stamps_s, const py::array& T_O_B,
+                                       const py::array& submap_stamps_s, const py::array& T_O_S,
+                                       const py::array& T_W_S) {
+  const std::vector<geometry::Pose> odometry = poses_of(T_O_B, "T_O_B");
+  const std::vector<geometry::Pose> from = poses_of(T_O_S, "T_O_S");
+  const std::vector<geometry::Pose> to = poses_of(T_W_S, "T_W_S");
+  const double* stamps = data_of<double>(stamps_s, "stamps_s", {static_cast<py::ssize_t>(odometry.size())});
+  const double* submap_stamps =
+      data_of<double>(submap_stamps_s, "submap_stamps_s", {static_cast<py::ssize_t>(from.size())});
+  if (from.size() != to.size()) throw py::value_error("T_O_S and T_W_S must have as many rows as each other");
+  std::vector<geometry::StampedPose> trajectory(odometry.size());
+  for (std::size_t i = 0; i < odometry.size(); ++i) trajectory[i] = {base::from_seconds(stamps[i]), odometry[i]};
+  std::vector<graph::SubmapCorrection> corrections(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) corrections[i] = {base::from_seconds(submap_stamps[i]), from[i], to[i]};
+  std::vector<double> out;
+  out.reserve(16 * odometry.size());
+  for (const geometry::StampedPose& pose : graph::correct_trajectory(trajectory, corrections)) {
+    for (int k = 0; k < 16; ++k) out.push_back(pose.pose.matrix()(k / 4, k % 4));
+  }
+  return array_from(std::move(out), 0).attr("reshape")(-1, 4, 4).cast<py::array_t<double>>();
+}
+
+}  // namespace
+
+void bind_graph(py::module_& m) {
+  bind_config<graph::SubmapGraphConfig>(m, "SubmapGraphConfig", "Parameters of SubmapGraph.");
+  bind_report(m);
+  bind_submap_graph(m);
+  m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("submap_stamps_s"),
+        py::arg("T_O_S"), py::arg("T_W_S"),
+        "Moves a trajectory (n, 4, 4) with k submaps that the graph moved from T_O_S to T_W_S, both (k, 4, 4).\n\n"
+        "submap_stamps_s are the middles of the submaps' time spans; poses between two are blended from both.\n"
+        "Returns T_W_B, (n, 4, 4).");
+}
 
 }  // namespace voxnav::bindings

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav::graph {
+
+/// Gravity-aligned pose as the solver sees it: x, y, z [m], yaw [rad].
+using Pose4 = Eigen::Vector4d;
+using Matrix4 = Eigen::Matrix4d;
+
+/// @throws std::invalid_argument naming `what` when the pose is not finite and rigid, or tilted by more than 3 degrees;
+///         a smaller tilt is noise of the source and is dropped
+Pose4 to_pose4(const geometry::Pose& T_A_B, const char* what);
+geometry::Pose to_pose(const Pose4& T_A_B);
+
+/// T_A_B from T_W_A and T_W_B; yaw wrapped.
+Pose4 relative(const Pose4& T_W_A, const Pose4& T_W_B);
+/// T_A_C from T_A_B and T_B_C; yaw wrapped.
+Pose4 compose(const Pose4& T_A_B, const Pose4& T_B_C);
+
+/// Matrix M with MᵀM = information, so that |M e|² = eᵀ information e. It is Lᵀ of the Cholesky factor, never L
+/// (the two differ as soon as the matrix is not diagonal). Semi-definite matrices are accepted.
+/// @throws std::invalid_argument naming `what` when not finite, not symmetric or indefinite
+Matrix4 whitening_of(const Matrix4& information, const char* what);
+Eigen::Matrix3d whitening_of_covariance(const Eigen::Matrix3d& covariance, const char* what);
+
+}  // namespace voxnav::graph

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "voxnav/geometry/voxel.hpp"
+#include "voxnav/graph/pair_registration.hpp"
+#include "voxnav/graph/submap_graph.hpp"
+
+/// What the parts of the optimiser share. Private to the floor.
+namespace voxnav::graph {
+
+struct Node {
+  SurfaceSample sample;                    ///< field is null when the submap is not registered
+  std::vector<geometry::Index3> blocks_S;  ///< cells of pair_block_m that hold sample points
+};
+
+enum class LoopState { kUntested, kAccepted, kRejected };
+
+struct RelativeConstraint {
+  int a;
+  int b;
+  RelativePoseFactor factor;
+  ConstraintKind kind;
+  LoopState state = LoopState::kUntested;
+  std::string reason;
+};
+
+struct PositionConstraint {
+  int id;
+  PositionFactor factor;
+  bool is_in_map_frame;
+};
+
+struct HeightConstraint {
+  int id;
+  HeightFactor factor;
+};
+
+struct RegistrationPair {
+  int a;
+  int b;
+  bool is_active = false;  ///< enough overlap; inactive ones are kept so that they are not tested again and again
+  Pose4 considered_at = Pose4::Zero();  ///< relative pose in the graph when points were last chosen
+  PairOverlap overlap;
+  PairModel model;
+  RelativePoseFactor factor;
+  double information = 0.0;
+};
+
+/// What a solve changes.
+struct Estimate {
+  std::map<int, Pose4> poses;
+  Pose4 datum = Pose4::Zero();
+};
+
+struct GraphState {
+  SubmapGraphConfig config;
+  std::map<int, Node> nodes;
+  std::vector<RelativeConstraint> relatives;
+  std::vector<PositionConstraint> positions;
+  std::vector<HeightConstraint> heights;
+  std::map<std::pair<int, int>, RegistrationPair> pairs;  ///< ordered: sums do not depend on how they were found
+  Estimate estimate;
+  bool has_datum = false;
+  double datum_spread_m = 0.0;  ///< of the positions the datum was started from
+  bool is_enabled[kNumConstraintKinds] = {true, true, true, true, true};
+
+  bool uses(ConstraintKind kind) const { return is_enabled[static_cast<int>(kind)]; }
+  bool uses(const RelativeConstraint& c) const {
+    return uses(c.kind) && (c.kind != ConstraintKind::kLoop || c.state == LoopState::kAccepted);
+  }
+  double voxel_m(const RegistrationPair& pair) const;
+  double kernel_m(const RegistrationPair& pair, double voxels) const { return voxels * voxel_m(pair); }
+};
+
+inline Pose4 relative_of(const std::map<int, Pose4>& poses, int a, int b) { return relative(poses.at(a), poses.at(b)); }
+
+/// Submaps (a < b) that share cells of the spatial index at the given poses, most shared cells first for each b.
+/// O(cells) expected. Cells crowded by more than 128 submaps keep the newest.
+struct CandidatePair {
+  int a;
+  int b;
+  int shared;
+};
+std::vector<CandidatePair> overlapping_submaps(const GraphState& state, const std::map<int, Pose4>& poses);
+
+/// Finds, chooses points for and registers the pairs that are new or have moved.
+void update_pairs(GraphState* state, bool is_full, OptimizeReport* report);
+
+/// Renews the models of pairs that have moved since theirs were made.
+/// @return false when the budget of evaluations ran out
+bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int max_evaluations, OptimizeReport* report);
+
+/// Cost of one pair at its present relative pose, from its model.
+double pair_cost(const RegistrationPair& pair, const Pose4& T_A_B);
+
+/// Sum of squared whitened residuals per kind, robust where the solver is.
+std::vector<KindReport> costs_of(const GraphState& state, const Estimate& estimate);
+
+/// Ceres on the factors as they stand (registered pairs as quadratic models).
+struct SolveSummary {
+  bool is_converged = false;
+  bool is_usable = false;
+};
+/// @param pair_loss_width  Cauchy width in sigmas for the registered pairs; 0 for none
+SolveSummary solve_factors(const GraphState& state, double pair_loss_width, Estimate* estimate);
+
+/// Accepts or rejects loop closures, solving in between, whenever there are new ones (or `is_full`).
+void judge_loops(GraphState* state, bool is_full, Estimate* estimate);
+
+/// Datum of the GNSS frame in closed form, so that the solver starts near.
+void initialise_datum(GraphState* state);
+
+OptimizeReport optimise(GraphState* state, bool is_full);
+
+}  // namespace voxnav::graph

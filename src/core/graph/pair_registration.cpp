@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/graph/pair_registration.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace voxnav::graph {
+namespace {
+
+using geometry::Vec3;
+
+/// Points of `from` that lie where `into` is observed, at most `max_points`, and how many there were.
+std::vector<std::uint32_t> points_inside(const SurfaceSample& from, const SurfaceSample& into,
+                                         const geometry::Pose& T_into_from, int max_points, double* ratio) {
+  std::vector<std::uint32_t> out;
+  double distance_m = 0.0;
+  for (std::uint32_t i = 0; i < from.points.size(); ++i) {
+    if (into.field->sample(T_into_from * from.points[i].position_S, &distance_m, nullptr)) out.push_back(i);
+  }
+  *ratio = from.points.empty() ? 0.0 : static_cast<double>(out.size()) / static_cast<double>(from.points.size());
+  if (out.size() > static_cast<std::size_t>(max_points)) out.resize(static_cast<std::size_t>(max_points));
+  return out;
+}
+
+/// Running sums of one evaluation.
+struct Sums {
+  double kernel2;
+  double weight = 0.0;
+  double matched = 0.0;
+  double cost = 0.0;
+  Pose4 gradient = Pose4::Zero();
+  Matrix4 hessian = Matrix4::Zero();
+  Eigen::Vector2d first = Eigen::Vector2d::Zero();
+  double second = 0.0;
+
+  void add_lost(double w) {
+    weight += w;
+    cost += w * kernel2;
+  }
+  void add(double w, double residual, const Pose4& jacobian, const Eigen::Vector2d& p_A) {
+    const double shrink = kernel2 / (kernel2 + residual * residual);
+    weight += w;
+    matched += w;
+    cost += w * residual * residual * shrink;
+    const double pull = w * shrink * shrink;
+    gradient += pull * residual * jacobian;
+    hessian.noalias() += pull * jacobian * jacobian.transpose();
+    first += w * p_A;
+    second += w * p_A.squaredNorm();
+  }
+};
+
+/// Points of B in the field of A: q = R p + t.
+void add_b_in_a(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T,
+                Sums* sums) {
+  const double c = std::cos(T[3]);
+  const double s = std::sin(T[3]);
+  for (const std::uint32_t i : overlap.of_b) {
+    const SamplePoint& point = b.points[i];
+    const Vec3& p = point.position_S;
+    const Vec3 q(c * p.x() - s * p.y() + T[0], s * p.x() + c * p.y() + T[1], p.z() + T[2]);
+    double distance_m = 0.0;
+    Vec3 slope;
+    if (!a.field->sample(q, &distance_m, &slope)) {
+      sums->add_lost(point.weight);
+      continue;
+    }
+    const double turn = slope.x() * (-s * p.x() - c * p.y()) + slope.y() * (c * p.x() - s * p.y());
+    sums->add(point.weight, distance_m - point.own_distance_m, Pose4(slope.x(), slope.y(), slope.z(), turn),
+              q.head<2>());
+  }
+}
+
+/// Points of A in the field of B: q = Rᵀ (p − t).
+void add_a_in_b(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T,
+                Sums* sums) {
+  const double c = std::cos(T[3]);
+  const double s = std::sin(T[3]);
+  for (const std::uint32_t i : overlap.of_a) {
+    const SamplePoint& point = a.points[i];
+    const Vec3 d = point.position_S - T.head<3>();
+    const Vec3 q(c * d.x() + s * d.y(), -s * d.x() + c * d.y(), d.z());
+    double distance_m = 0.0;
+    Vec3 slope;
+    if (!b.field->sample(q, &distance_m, &slope)) {
+      sums->add_lost(point.weight);
+      continue;
+    }
+    const Pose4 jacobian(-c * slope.x() + s * slope.y(), -s * slope.x() - c * slope.y(), -slope.z(),
+                         slope.x() * q.y() - slope.y() * q.x());
+    sums->add(point.weight, distance_m - point.own_distance_m, jacobian, point.position_S.head<2>());
+  }
+}
+
+/// Columns: unit moves along x, y, z of the points' centre, and a turn about it that moves the rms point by a metre.
+Matrix4 centered_basis(const PairModel& model) {
+  // Turning by dψ about the centre adds dt = −dψ (k × c') to the translation, c' = centre as seen from A's origin.
+  const Eigen::Vector2d lever = model.center_A - model.T_A_B.head<2>();
+  Matrix4 basis = Matrix4::Identity();
+  basis.col(3) << lever.y() / model.radius_m, -lever.x() / model.radius_m, 0.0, 1.0 / model.radius_m;
+  return basis;
+}
+
+}  // namespace
+
+PairOverlap find_overlap(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B, int max_points) {
+  PairOverlap out;
+  double ratio_a = 0.0;
+  double ratio_b = 0.0;
+  const geometry::Pose T = to_pose(T_A_B);
+  out.of_b = points_inside(b, a, T, max_points, &ratio_b);
+  out.of_a = points_inside(a, b, T.inverse(), max_points, &ratio_a);
+  out.ratio = std::max(ratio_a, ratio_b);
+  return out;
+}
+
+PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
+                        double kernel_m) {
+  Sums sums;
+  sums.kernel2 = kernel_m * kernel_m;
+  add_b_in_a(a, b, overlap, T_A_B, &sums);
+  add_a_in_b(a, b, overlap, T_A_B, &sums);
+  PairModel out;
+  out.T_A_B = T_A_B;
+  out.cost_m2 = sums.kernel2;
+  if (sums.matched <= 0.0) return out;
+  out.cost_m2 = sums.cost / sums.weight;
+  out.gradient = sums.gradient / sums.weight;
+  out.hessian = sums.hessian / sums.weight;
+  out.matched_ratio = sums.matched / sums.weight;
+  out.center_A = sums.first / sums.matched;
+  out.radius_m = std::sqrt(std::max(1.0, sums.second / sums.matched - out.center_A.squaredNorm()));
+  return out;
+}
+
+RelativePoseFactor to_factor(const PairModel& model, double information, double noise_floor, double max_step_m) {
+  const Matrix4 basis = centered_basis(model);
+  const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(basis.transpose() * model.hessian * basis);
+  const Pose4 slope = eigen.eigenvectors().transpose() * basis.transpose() * model.gradient;
+  Pose4 step = Pose4::Zero();
+  Pose4 strength = Pose4::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const double kept = eigen.eigenvalues()[k] - noise_floor;
+    if (kept <= 0.0) continue;
+    strength[k] = std::sqrt(information * kept);
+    step[k] = std::clamp(-slope[k] / eigen.eigenvalues()[k], -max_step_m, max_step_m);
+  }
+  RelativePoseFactor out;
+  out.T_a_b = model.T_A_B + basis * eigen.eigenvectors() * step;
+  out.T_a_b[3] = geometry::wrap_angle(out.T_a_b[3]);
+  out.whitening = strength.asDiagonal() * eigen.eigenvectors().transpose() * basis.inverse();
+  return out;
+}
+
+PairModel refine_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
+                      const std::vector<double>& kernels_m, double noise_floor) {
+  constexpr int kMaxSteps = 12;
+  PairModel model;
+  model.T_A_B = T_A_B;
+  for (const double kernel_m : kernels_m) {
+    model = evaluate_pair(a, b, overlap, model.T_A_B, kernel_m);
+    for (int step = 0; step < kMaxSteps; ++step) {
+      const Pose4 target = to_factor(model, 1.0, noise_floor, kernel_m).T_a_b;
+      const PairModel next = evaluate_pair(a, b, overlap, target, kernel_m);
+      if (!(next.cost_m2 < model.cost_m2)) break;
+      const double moved = (target - model.T_A_B).head<3>().norm();
+      model = next;
+      if (moved < 0.01 * kernel_m) break;
+    }
+  }
+  return model;
+}
+
+}  // namespace voxnav::graph

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ceres/loss_function.h>
+#include <ceres/sized_cost_function.h>
+#include <ceres/solver.h>
+
+#include "graph_state.hpp"
+#include "voxnav/graph/ceres_compat.hpp"
+
+namespace voxnav::graph {
+namespace {
+
+using PoseMap = Eigen::Map<const Pose4>;
+
+/// Into Ceres' memory, matrices row by row; nothing when Ceres does not ask for it.
+template <int Rows, int Columns>
+void store(const Eigen::Matrix<double, Rows, Columns>& value, double* out) {
+  for (int i = 0; out && i < Rows; ++i) {
+    for (int j = 0; j < Columns; ++j) out[i * Columns + j] = value(i, j);
+  }
+}
+
+double* block_of(double** jacobians, int block) { return jacobians ? jacobians[block] : nullptr; }
+
+/// 4 residuals; blocks: T_W_a, T_W_b (x y z yaw each, on the yaw manifold). Analytic.
+class RelativePoseCost final : public ceres::SizedCostFunction<4, 4, 4> {
+ public:
+  explicit RelativePoseCost(const RelativePoseFactor& factor) : factor_(factor) {}
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    Matrix4 of_a;
+    Matrix4 of_b;
+    store(Pose4(factor_.evaluate(PoseMap(blocks[0]), PoseMap(blocks[1]), &of_a, &of_b)), residuals);
+    store(of_a, block_of(jacobians, 0));
+    store(of_b, block_of(jacobians, 1));
+    return true;
+  }
+
+ private:
+  RelativePoseFactor factor_;
+};
+
+/// 3 residuals; blocks: T_W_S, T_W_G. Analytic.
+class PositionCost final : public ceres::SizedCostFunction<3, 4, 4> {
+ public:
+  explicit PositionCost(const PositionFactor& factor) : factor_(factor) {}
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    PositionFactor::Jacobian of_pose;
+    PositionFactor::Jacobian of_datum;
+    store(Eigen::Vector3d(factor_.evaluate(PoseMap(blocks[0]), PoseMap(blocks[1]), &of_pose, &of_datum)), residuals);
+    store(of_pose, block_of(jacobians, 0));
+    store(of_datum, block_of(jacobians, 1));
+    return true;
+  }
+
+ private:
+  PositionFactor factor_;
+};
+
+/// 1 residual; block: T_W_S. Analytic.
+class HeightCost final : public ceres::SizedCostFunction<1, 4> {
+ public:
+  explicit HeightCost(const HeightFactor& factor) : factor_(factor) {}
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    residuals[0] = factor_.evaluate(PoseMap(blocks[0]));
+    store(Pose4(0, 0, 1.0 / factor_.sigma_m, 0), block_of(jacobians, 0));
+    return true;
+  }
+
+ private:
+  HeightFactor factor_;
+};
+
+ceres::LossFunction* cauchy(double width) { return width > 0.0 ? new ceres::CauchyLoss(width) : nullptr; }
+
+void add_relatives(const GraphState& state, double pair_loss_width, Estimate* x, ceres::Problem* problem) {
+  for (const RelativeConstraint& c : state.relatives) {
+    if (!state.uses(c)) continue;
+    problem->AddResidualBlock(new RelativePoseCost(c.factor), nullptr, x->poses[c.a].data(), x->poses[c.b].data());
+  }
+  if (!state.uses(ConstraintKind::kRegistration)) return;
+  for (const auto& [ids, pair] : state.pairs) {
+    if (!pair.is_active) continue;
+    problem->AddResidualBlock(new RelativePoseCost(pair.factor), cauchy(pair_loss_width), x->poses[pair.a].data(),
+                              x->poses[pair.b].data());
+  }
+}
+
+void add_absolutes(const GraphState& state, Estimate* x, double* map_frame, ceres::Problem* problem) {
+  const double width = state.config.robust_width;
+  for (const PositionConstraint& c : state.positions) {
+    if (!state.uses(ConstraintKind::kGnss)) break;
+    double* datum = c.is_in_map_frame ? map_frame : x->datum.data();
+    problem->AddResidualBlock(new PositionCost(c.factor), cauchy(width), x->poses[c.id].data(), datum);
+  }
+  for (const HeightConstraint& c : state.heights) {
+    if (!state.uses(ConstraintKind::kHeight)) break;
+    problem->AddResidualBlock(new HeightCost(c.factor), cauchy(width), x->poses[c.id].data());
+  }
+}
+
+ceres::Solver::Options options_of(const SubmapGraphConfig& config) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;  // sums in one order: the same input gives the same bits
+  options.max_num_iterations = config.max_solver_iterations;
+  options.max_solver_time_in_seconds = 1e9;  // work is bounded by iterations, not by the clock
+  options.function_tolerance = 1e-9;
+  options.gradient_tolerance = 1e-10;
+  options.parameter_tolerance = 1e-10;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+}  // namespace
+
+SolveSummary solve_factors(const GraphState& state, double pair_loss_width, Estimate* estimate) {
+  if (estimate->poses.empty()) return {true, true};
+  Estimate x = *estimate;
+  Pose4 map_frame = Pose4::Zero();
+  ceres::Problem problem;
+  for (auto& [id, pose] : x.poses) add_pose_block(&problem, pose.data());
+  add_pose_block(&problem, x.datum.data());
+  add_pose_block(&problem, map_frame.data());
+  problem.SetParameterBlockConstant(x.poses.begin()->second.data());
+  problem.SetParameterBlockConstant(map_frame.data());
+  if (!state.has_datum) problem.SetParameterBlockConstant(x.datum.data());
+  add_relatives(state, pair_loss_width, &x, &problem);
+  add_absolutes(state, &x, map_frame.data(), &problem);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options_of(state.config), &problem, &summary);
+  SolveSummary out{summary.termination_type == ceres::CONVERGENCE, summary.IsSolutionUsable()};
+  if (out.is_usable) *estimate = std::move(x);
+  return out;
+}
+
+}  // namespace voxnav::graph

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "grid_field.hpp"
+#include "voxnav/graph/pair_registration.hpp"
+
+using namespace voxnav::graph;         // NOLINT: test
+using namespace voxnav::test_support;  // NOLINT: test
+
+namespace {
+
+const std::vector<double> kKernels{1.6, 0.8, 0.4};
+
+struct Pair {
+  SurfaceSample a;
+  SurfaceSample b;
+  Pose4 truth;
+};
+
+Pair make_pair_of(const ForestWorld& world, const Pose4& T_W_A, const Pose4& T_W_B) {
+  View view_b;
+  view_b.seed = 2;
+  return {draw_sample(make_submap(world, to_pose(T_W_A), View()), 1200, 3.2),
+          draw_sample(make_submap(world, to_pose(T_W_B), view_b), 1200, 3.2), relative(T_W_A, T_W_B)};
+}
+
+const Pair& forest_pair() {
+  static const Pair pair = make_pair_of(make_forest(40, 400, 3), Pose4(0, 0, 2, 0.3), Pose4(4, -2, 2.5, 1.1));
+  return pair;
+}
+
+constexpr double kQuarterVoxelM = 0.1;
+
+ForestWorld meadow() {
+  ForestWorld world;
+  world.hill_m = 0.1;
+  return world;
+}
+
+}  // namespace
+
+TEST(DrawSample, PrefixIsBalancedAndRepeatable) {
+  const auto field = make_submap(make_forest(40, 400, 3), Pose::Identity(), View());
+  const SurfaceSample sample = draw_sample(field, 400, 3.2);
+  const SurfaceSample again = draw_sample(field, 400, 3.2);
+  ASSERT_EQ(sample.points.size(), 400u);
+  int upright = 0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    upright += sample.points[i].is_upright;
+    EXPECT_EQ(sample.points[i].position_S, again.points[i].position_S);
+  }
+  EXPECT_EQ(upright, 100);
+}
+
+TEST(DrawSample, DropsPointsThatAreNotFinite) {
+  std::vector<SurfacePoint> points(3, SurfacePoint{{0, 0, 0}, {0, 0, 1}, 1.0f});
+  points[0].position.x() = std::nanf("");
+  points[1].weight = 0.0f;
+  const auto field = std::make_shared<GridField>(
+      voxnav::geometry::Aabb{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, 0.4, [](const Vec3& p) { return p.z(); }, points);
+  EXPECT_EQ(draw_sample(field, 10, 1.0).points.size(), 1u);
+}
+
+TEST(EvaluatePair, GradientEqualsNumericOne) {
+  const Pair& pair = forest_pair();
+  const Pose4 T = pair.truth + Pose4(0.2, -0.15, 0.1, 0.02);
+  const PairOverlap overlap = find_overlap(pair.a, pair.b, T, 200);
+  // A wide kernel makes the cost smooth over the step; trilinear cells still have kinks, hence the tolerance.
+  const PairModel model = evaluate_pair(pair.a, pair.b, overlap, T, 1.6);
+  for (int k = 0; k < 4; ++k) {
+    const double step = k == 3 ? 1e-5 : 1e-4;
+    Pose4 plus = T;
+    Pose4 minus = T;
+    plus[k] += step;
+    minus[k] -= step;
+    const double slope = (evaluate_pair(pair.a, pair.b, overlap, plus, 1.6).cost_m2 -
+                          evaluate_pair(pair.a, pair.b, overlap, minus, 1.6).cost_m2) /
+                         (2.0 * step);
+    EXPECT_NEAR(2.0 * model.gradient[k], slope, 0.02 * std::abs(slope) + 1e-3) << "parameter " << k;
+  }
+}
+
+TEST(EvaluatePair, LosingOverlapCostsAsMuchAsAnOutlier) {
+  const Pair& pair = forest_pair();
+  const PairOverlap overlap = find_overlap(pair.a, pair.b, pair.truth, 200);
+  const double aligned = evaluate_pair(pair.a, pair.b, overlap, pair.truth, 0.4).cost_m2;
+  const PairModel apart = evaluate_pair(pair.a, pair.b, overlap, pair.truth + Pose4(500, 0, 0, 0), 0.4);
+  EXPECT_LT(aligned, 0.1 * 0.4 * 0.4);
+  EXPECT_DOUBLE_EQ(apart.cost_m2, 0.4 * 0.4);
+  EXPECT_EQ(apart.matched_ratio, 0.0);
+}
+
+TEST(RefinePair, RecoversOffsetsInForest) {
+  const Pair& pair = forest_pair();
+  for (const Pose4& offset : {Pose4(0.6, -0.4, 0.3, 0.05), Pose4(-0.8, 0.5, -0.4, -0.06), Pose4(0.3, 0.9, 0.2, 0.03)}) {
+    const Pose4 start = pair.truth + offset;
+    const PairOverlap overlap = find_overlap(pair.a, pair.b, start, 200);
+    const Pose4 error = refine_pair(pair.a, pair.b, overlap, start, kKernels, 0.03).T_A_B - pair.truth;
+    EXPECT_LT(error.head<3>().norm(), kQuarterVoxelM) << error.transpose();
+    EXPECT_LT(std::abs(error[3]), 0.01);
+  }
+}
+
+TEST(SearchPair, FindsThreeMetresAndTenDegrees) {
+  const Pair& pair = forest_pair();
+  const PairSearch search{3.2, 0.2, 0.8, 100, 0.9};
+  for (const Pose4& offset : {Pose4(2.1, -2.0, 0.3, 0.17), Pose4(-2.8, 0.5, -0.2, -0.17), Pose4(0.4, 2.9, 0.1, 0.12)}) {
+    const std::optional<Pose4> found = search_pair(pair.a, pair.b, pair.truth + offset, search);
+    ASSERT_TRUE(found.has_value()) << offset.transpose();
+    const PairOverlap overlap = find_overlap(pair.a, pair.b, *found, 200);
+    const Pose4 error = refine_pair(pair.a, pair.b, overlap, *found, kKernels, 0.03).T_A_B - pair.truth;
+    EXPECT_LT(error.head<3>().norm(), kQuarterVoxelM) << error.transpose();
+    EXPECT_LT(std::abs(error[3]), 0.01);
+  }
+}
+
+TEST(SearchPair, IsSilentWhereNothingStandsOut) {
+  const Pair pair = make_pair_of(meadow(), Pose4(0, 0, 2, 0), Pose4(5, 0, 2, 0));
+  EXPECT_FALSE(search_pair(pair.a, pair.b, pair.truth, {3.2, 0.2, 0.8, 100, 0.9}).has_value());
+}
+
+TEST(ToFactor, GroundAloneHoldsHeightAndLeavesTheRestFree) {
+  const Pair pair = make_pair_of(meadow(), Pose4(0, 0, 2, 0), Pose4(5, 3, 2, 0.7));
+  const Pose4 start = pair.truth + Pose4(0.5, -0.4, 0.3, 0.05);
+  const PairOverlap overlap = find_overlap(pair.a, pair.b, start, 200);
+  const PairModel model = refine_pair(pair.a, pair.b, overlap, start, kKernels, 0.03);
+  EXPECT_NEAR(model.T_A_B[2], pair.truth[2], 0.05);
+  EXPECT_NEAR((model.T_A_B - start).head<2>().norm(), 0.0, 0.05);
+  EXPECT_NEAR(model.T_A_B[3], start[3], 0.005);
+  const RelativePoseFactor factor = to_factor(model, 1000.0, 0.03, 0.4);
+  const Matrix4 information = factor.whitening.transpose() * factor.whitening;
+  EXPECT_GT(information(2, 2), 500.0);
+  EXPECT_LT(information(0, 0), 20.0);
+  EXPECT_LT(information(1, 1), 20.0);
+  EXPECT_LT(information(3, 3), 20.0);
+}
+
+TEST(ToFactor, TrunksHoldEverything) {
+  const Pair& pair = forest_pair();
+  const PairOverlap overlap = find_overlap(pair.a, pair.b, pair.truth, 200);
+  const PairModel model = refine_pair(pair.a, pair.b, overlap, pair.truth, kKernels, 0.03);
+  const RelativePoseFactor factor = to_factor(model, 1000.0, 0.03, 0.4);
+  const Matrix4 information = factor.whitening.transpose() * factor.whitening;
+  for (int k = 0; k < 4; ++k) EXPECT_GT(information(k, k), 40.0) << k;
+}
