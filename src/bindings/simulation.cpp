@@ -4,6 +4,7 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "simulation_uav.hpp"
 #include "voxnav_simulation/lidar_model.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
 #include "voxnav_simulation/scene.hpp"
@@ -186,6 +187,7 @@ PYBIND11_MODULE(_simulation, m) {
         "A WorldConfig from a flat YAML file. Raises ConfigError listing every problem.");
   vb::bind_scene(m);
   vb::bind_lidar(m);
+  vb::bind_uav(m);
   pybind11::dict classes;
   for (int i = 0; i < voxnav_simulation::kNumSurfaceClasses; ++i) {
     classes[voxnav_simulation::name_of(static_cast<voxnav_simulation::SurfaceClass>(i))] = i;

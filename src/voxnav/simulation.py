@@ -15,9 +15,36 @@ import os
 import numpy as np
 
 from voxnav import _simulation
-from voxnav._simulation import CLASSES, LidarConfig, WorldConfig
+from voxnav._simulation import (
+    CLASSES,
+    GnssDriftConfig,
+    ImuConfig,
+    LidarConfig,
+    TrajectoryGeneratorConfig,
+    Uav,
+    UavConfig,
+    UavConstraintsConfig,
+    WorldConfig,
+    generate_trajectory,
+)
 
-__all__ = ["CLASSES", "Lidar", "LidarConfig", "Scan", "Stems", "World", "WorldConfig", "pose"]
+__all__ = [
+    "CLASSES",
+    "GnssDriftConfig",
+    "ImuConfig",
+    "Lidar",
+    "LidarConfig",
+    "Scan",
+    "Stems",
+    "TrajectoryGeneratorConfig",
+    "Uav",
+    "UavConfig",
+    "UavConstraintsConfig",
+    "World",
+    "WorldConfig",
+    "generate_trajectory",
+    "pose",
+]
 
 
 def pose(x, y, z, yaw_rad=0.0):

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav_simulation {
+
+/// Largest speed, acceleration and jerk of one axis, in m or rad.
+struct AxisLimits {
+  double speed;
+  double acceleration;
+  double jerk;
+};
+
+/// What the vehicle may do. Horizontal limits hold for the norm of the x-y vector.
+struct DynamicsLimits {
+  AxisLimits horizontal;
+  AxisLimits ascending;
+  AxisLimits descending;
+  AxisLimits heading;
+
+  /// Acceleration and jerk that hold upwards and downwards.
+  double vertical_acceleration() const;
+  double vertical_jerk() const;
+  /// The same limits with every number multiplied by `ratio`.
+  DynamicsLimits scaled(double ratio) const;
+};
+
+/// The named sets of the constraint manager; each array is speed, acceleration, jerk.
+struct UavConstraintsConfig {
+  std::string initial = "medium";
+  std::array<double, 3> slow_horizontal{1, 1, 20};
+  std::array<double, 3> slow_vertical{1, 1, 20};
+  std::array<double, 3> slow_heading{0.5, 1, 10};
+  std::array<double, 3> medium_horizontal{4, 2, 40};
+  std::array<double, 3> medium_vertical{2, 1, 40};
+  std::array<double, 3> medium_heading{1, 1, 20};
+  std::array<double, 3> fast_horizontal{8, 4, 60};
+  std::array<double, 3> fast_vertical{4, 2, 60};
+  std::array<double, 3> fast_heading{2, 2, 40};
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = UavConstraintsConfig;
+    const auto range = voxnav::base::in(0.05, 200);
+    v("initial", &C::initial, voxnav::base::one_of({"slow", "medium", "fast"}), "", "set in force at the start");
+    v("slow_horizontal", &C::slow_horizontal, range, "m/s, m/s^2, m/s^3", "horizontal limits of the set slow");
+    v("slow_vertical", &C::slow_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set slow");
+    v("slow_heading", &C::slow_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set slow");
+    v("medium_horizontal", &C::medium_horizontal, range, "m/s, m/s^2, m/s^3", "horizontal limits of the set medium");
+    v("medium_vertical", &C::medium_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set medium");
+    v("medium_heading", &C::medium_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set medium");
+    v("fast_horizontal", &C::fast_horizontal, range, "m/s, m/s^2, m/s^3", "horizontal limits of the set fast");
+    v("fast_vertical", &C::fast_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set fast");
+    v("fast_heading", &C::fast_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set fast");
+  }
+};
+
+const std::vector<std::string>& constraint_names();
+/// Nothing for a name that does not exist.
+std::optional<DynamicsLimits> limits_named(const UavConstraintsConfig& config, const std::string& name);
+
+}  // namespace voxnav_simulation

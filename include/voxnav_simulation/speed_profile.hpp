@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "voxnav_simulation/dynamics_limits.hpp"
+#include "voxnav_simulation/kinematic_state.hpp"
+
+namespace voxnav_simulation {
+
+/// Straight segments between distinct vertices, with arc length.
+class Polyline {
+ public:
+  explicit Polyline(std::vector<Vec3> vertices);
+
+  const std::vector<Vec3>& vertices() const { return vertices_; }
+  std::size_t num_segments() const { return vertices_.size() - 1; }
+  double length_m() const { return arcs_.back(); }
+  double arc(std::size_t vertex) const { return arcs_[vertex]; }
+  Vec3 direction(std::size_t segment) const;
+  /// Cosine of half the interior angle at a vertex: 0 straight on, 1 back where we came from.
+  double turn(std::size_t vertex) const;
+  Vec3 at(std::size_t segment, double arc_m) const;
+  /// Distance from `p` to the segments [first, last].
+  double distance(const Vec3& p, std::size_t first, std::size_t last) const;
+
+ private:
+  std::vector<Vec3> vertices_;
+  std::vector<double> arcs_;
+};
+
+/// Speed along a polyline as a function of arc length: caps per node, then the fastest profile below them that respects
+/// tangential acceleration (forward-backward pass).
+class SpeedProfile {
+ public:
+  /// @param reserves_m  per vertex: nearer than this only part of the acceleration is used along the path, the rest is
+  ///                    left for the turn
+  SpeedProfile(const Polyline& path, const DynamicsLimits& limits, const std::vector<double>& reserves_m);
+
+  void cap_vertex(std::size_t vertex, double speed);
+  void scale_caps(double first_arc_m, double last_arc_m, double ratio);
+  /// @return false when the start speed is too high to brake for what comes
+  bool solve(double start_speed);
+
+  struct Sample {
+    Vec3 position;
+    std::size_t segment;
+    double arc_m;
+  };
+  /// Positions every `dt_s`; at vertices where the speed is zero the point waits for `dwell_s`.
+  /// Empty when more than `max_samples` would be needed.
+  std::vector<Sample> sample(double dt_s, double dwell_s, std::size_t max_samples) const;
+
+ private:
+  struct Node {
+    double arc_m;
+    std::size_t segment;  ///< the one that starts at or contains this node
+    double cap;
+    double acceleration;  ///< along the path, up to the next node
+    double speed;
+    bool is_vertex;
+  };
+  const Polyline* path_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "voxnav_simulation/dynamics_limits.hpp"
+#include "voxnav_simulation/kinematic_state.hpp"
+#include "voxnav_simulation/spline.hpp"
+
+namespace voxnav_simulation {
+
+/// Time of one step of the simulated vehicle; predictions and stamps are multiples of it.
+constexpr double kStep_s = 0.005;
+constexpr std::int64_t kStep_ns = 5'000'000;
+
+/// A trajectory to follow, relative to the moment it is given.
+struct TrackedTrajectory {
+  std::vector<HeadedPoint> points;
+  double dt_s = 0.2;
+  double skip_s = 0;  ///< how much of it is over already
+  bool use_heading = true;
+  bool is_loop = false;
+  std::int64_t input_id = 0;
+};
+
+enum class TrackerMode { kHold, kBrake, kGoal, kTrajectory };
+
+/// Follows goals and trajectories within the limits, like the MPC tracker of the MRS system: whatever is asked, what is
+/// flown keeps speed, acceleration and jerk. What will be flown is computed ahead, so that the prediction is exact
+/// until the next command. Not thread-safe.
+class Tracker {
+ public:
+  explicit Tracker(const DynamicsLimits& limits);
+
+  void set_limits(const DynamicsLimits& limits);
+  const DynamicsLimits& limits() const { return limits_; }
+
+  /// Puts the state there at once (on the ground).
+  void reset(const KinematicState& state);
+  void go_to(const HeadedPoint& goal);
+  void brake();
+  void follow(const TrackedTrajectory& trajectory);
+
+  void step();
+  KinematicState state() const { return now_.state; }
+  TrackerMode mode() const { return now_.mode; }
+  bool has_goal() const { return mode() == TrackerMode::kGoal || mode() == TrackerMode::kTrajectory; }
+  HeadedPoint goal() const;
+  std::size_t trajectory_index() const;
+  std::size_t trajectory_size() const { return trajectory_ ? trajectory_->spline.size() : 0; }
+  std::int64_t input_id() const { return trajectory_ ? trajectory_->input_id : 0; }
+
+  /// State `num_steps` steps ahead; computed on demand and kept. At most kMaxSteps.
+  const KinematicState& predicted(std::size_t num_steps);
+  static constexpr std::size_t kMaxSteps = 2000;
+
+ private:
+  struct Motion {
+    KinematicState state;
+    TrackerMode mode = TrackerMode::kHold;
+    HeadedPoint goal;
+    double time_s = 0;  ///< along the trajectory
+  };
+  struct Trajectory {
+    Spline spline;
+    bool use_heading;
+    bool is_loop;
+    std::int64_t input_id;
+  };
+  Motion next(const Motion& motion) const;
+  void update_mode(Motion* motion) const;
+
+  DynamicsLimits limits_;
+  std::shared_ptr<const Trajectory> trajectory_;
+  Motion now_;
+  std::deque<Motion> ahead_;  ///< ahead_[i] is i + 1 steps ahead
+};
+
+}  // namespace voxnav_simulation

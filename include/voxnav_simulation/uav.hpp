@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxnav_simulation/gnss_drift.hpp"
+#include "voxnav_simulation/imu_model.hpp"
+#include "voxnav_simulation/tracker.hpp"
+
+namespace voxnav_simulation {
+
+struct UavConfig {
+  std::array<double, 2> start_m{0.0, 0.0};
+  double start_heading_rad = 0.0;
+  double standing_height_m = 0.25;
+  double take_off_height_m = 2.0;
+  double rangefinder_max_m = 40.0;
+  double rangefinder_noise_m = 0.02;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = UavConfig;
+    using voxnav::base::in;
+    v("start_m", &C::start_m, in(-5000, 5000), "m", "where the vehicle stands at first");
+    v("start_heading_rad", &C::start_heading_rad, in(-6.3, 6.3), "rad", "its heading at first");
+    v("standing_height_m", &C::standing_height_m, in(0, 2), "m", "body origin above the ground when standing");
+    v("take_off_height_m", &C::take_off_height_m, in(0.5, 50), "m", "height above the ground that take-off ends at");
+    v("rangefinder_max_m", &C::rangefinder_max_m, in(1, 500), "m", "the rangefinder sees nothing farther away");
+    v("rangefinder_noise_m", &C::rangefinder_noise_m, in(0, 1), "m", "standard deviation of a range");
+  }
+};
+
+enum class FlightPhase { kIdle, kTakingOff, kFlying, kLanding };
+
+/// Pose and motion of the body in one frame.
+struct BodyState {
+  Pose pose = Pose::Identity();          ///< body B in the frame
+  Vec3 velocity = Vec3::Zero();          ///< of B, in the frame
+  Vec3 acceleration = Vec3::Zero();      ///< of B, in the frame
+  Vec3 angular_velocity = Vec3::Zero();  ///< in B
+};
+
+struct CommandResult {
+  bool success = false;
+  std::string message;
+};
+
+/// A multirotor as the mapping and planning side sees one: it follows references within limits, leans into its
+/// accelerations, and believes in an estimate that drifts away from the truth. What is commanded and predicted lives in
+/// the frame O of the estimate; the truth is O moved by the drift. One step is kStep_s. Deterministic for a seed.
+/// Not thread-safe.
+class Uav {
+ public:
+  /// Ground height at x, y in the world; nothing outside of it.
+  using GroundHeight = std::function<std::optional<double>(double x, double y)>;
+
+  /// @throws voxnav::base::ConfigError
+  Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const DynamicsLimits& limits,
+      std::uint64_t seed, GroundHeight ground = {});
+
+  void step();
+  voxnav::base::StampNs stamp_ns() const { return stamp_ns_; }
+  /// Moves the clock of an idle vehicle.
+  void set_stamp_ns(voxnav::base::StampNs stamp_ns) { stamp_ns_ = stamp_ns; }
+
+  /// Commands answer with the reason when they are refused.
+  CommandResult take_off();
+  CommandResult land();
+  CommandResult hover();
+  CommandResult go_to(const HeadedPoint& goal_O);
+  CommandResult set_trajectory(const TrackedTrajectory& trajectory_O);
+  void set_limits(const DynamicsLimits& limits) { tracker_.set_limits(limits); }
+
+  FlightPhase phase() const { return phase_; }
+  const BodyState& truth() const { return truth_; }        ///< in W
+  const BodyState& estimate() const { return estimate_; }  ///< in O
+  const ImuSample& imu() const { return imu_; }            ///< of the last step
+  Vec3 drift() const { return drift_.position(); }
+  /// Height of the body above the ground; nothing outside of the world.
+  std::optional<double> height_m() const;
+  /// Range to the ground along the body's z axis; nothing when out of range.
+  std::optional<double> rangefinder();
+
+  const Tracker& tracker() const { return tracker_; }
+  /// State in O `ahead_s` ahead, rounded to steps, at most 10 s.
+  const KinematicState& predicted(double ahead_s);
+
+ private:
+  std::string refusal() const;
+  void place(double dt_s);
+  void stand();
+  void update_phase();
+  void measure(const BodyState& before);
+
+  UavConfig config_;
+  GroundHeight ground_;
+  GnssDrift drift_;
+  ImuModel imu_model_;
+  Rng random_;
+  Tracker tracker_;
+  voxnav::base::StampNs stamp_ns_ = 0;
+  FlightPhase phase_ = FlightPhase::kIdle;
+  Vec3 standing_W_ = Vec3::Zero();
+  double standing_heading_rad_ = 0;  ///< true
+  BodyState truth_;
+  BodyState estimate_;
+  ImuSample imu_;
+};
+
+/// Orientation of a multirotor whose thrust gives this acceleration; the body's x axis points along the heading when
+/// seen from above.
+Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad);
+
+}  // namespace voxnav_simulation

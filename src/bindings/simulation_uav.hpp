@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace voxnav::bindings {
+
+/// The vehicle's half of voxnav._simulation.
+void bind_uav(pybind11::module_& m);
+
+}  // namespace voxnav::bindings

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_simulation/dynamics_limits.hpp"
+
+#include <algorithm>
+
+namespace voxnav_simulation {
+namespace {
+
+AxisLimits axis_of(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
+
+AxisLimits scaled_axis(const AxisLimits& limits, double ratio) {
+  return {limits.speed * ratio, limits.acceleration * ratio, limits.jerk * ratio};
+}
+
+DynamicsLimits set_of(const std::array<double, 3>& horizontal, const std::array<double, 3>& vertical,
+                      const std::array<double, 3>& heading) {
+  return {axis_of(horizontal), axis_of(vertical), axis_of(vertical), axis_of(heading)};
+}
+
+}  // namespace
+
+double DynamicsLimits::vertical_acceleration() const {
+  return std::min(ascending.acceleration, descending.acceleration);
+}
+
+double DynamicsLimits::vertical_jerk() const { return std::min(ascending.jerk, descending.jerk); }
+
+DynamicsLimits DynamicsLimits::scaled(double ratio) const {
+  return {scaled_axis(horizontal, ratio), scaled_axis(ascending, ratio), scaled_axis(descending, ratio),
+          scaled_axis(heading, ratio)};
+}
+
+const std::vector<std::string>& constraint_names() {
+  static const std::vector<std::string> names{"slow", "medium", "fast"};
+  return names;
+}
+
+std::optional<DynamicsLimits> limits_named(const UavConstraintsConfig& config, const std::string& name) {
+  if (name == "slow") return set_of(config.slow_horizontal, config.slow_vertical, config.slow_heading);
+  if (name == "medium") return set_of(config.medium_horizontal, config.medium_vertical, config.medium_heading);
+  if (name == "fast") return set_of(config.fast_horizontal, config.fast_vertical, config.fast_heading);
+  return std::nullopt;
+}
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "voxnav_simulation/trajectory_generator.hpp"
+
+namespace voxnav_simulation {
+
+/// Headings for positions given every fine step, within the heading limits: what the request wants is followed by a
+/// limited tracker. Positions are extended by their last one until the heading has arrived.
+/// @param waypoint_steps  step at which each of `waypoints` is passed
+std::vector<double> heading_profile(const PathRequest& request, const std::vector<HeadedPoint>& waypoints,
+                                    const AxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,
+                                    std::vector<Vec3>* positions);
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "voxnav_simulation/speed_profile.hpp"
+
+namespace voxnav_simulation {
+
+constexpr double kFineStep_s = 0.01;
+
+/// Half widths, in fine steps, of the two windows positions are averaged over.
+struct SmoothingWindows {
+  SmoothingWindows(const DynamicsLimits& limits, double max_deviation_m);
+  int velocity_steps;      ///< bounds acceleration at corners
+  int acceleration_steps;  ///< bounds jerk
+  int steps() const { return velocity_steps + acceleration_steps; }
+  double width_s() const { return (2 * velocity_steps + 1) * kFineStep_s; }
+  double half_s() const { return steps() * kFineStep_s; }
+  /// Mean distance in time of the averaged samples: a corner is cut by this times speed times Polyline::turn.
+  double mean_s() const;
+};
+
+/// Averages over 2 * half + 1 neighbours; the result is shorter by 2 * half.
+std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half);
+
+/// For each sample, the share of the present speed that would respect acceleration and jerk limits (1 = fine).
+std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const DynamicsLimits& limits);
+
+}  // namespace voxnav_simulation

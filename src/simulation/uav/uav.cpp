@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_simulation/uav.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxnav_simulation {
+namespace {
+
+Vec3 rotation_vector(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd angle_axis(R);
+  return angle_axis.angle() * angle_axis.axis();
+}
+
+CommandResult refused(const std::string& why) { return {false, why}; }
+
+}  // namespace
+
+Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad) {
+  const Vec3 z = (acceleration + Vec3(0, 0, kGravity)).normalized();
+  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
+  const Vec3 x = Vec3(c, s, -(z.x() * c + z.y() * s) / z.z()).normalized();
+  Eigen::Matrix3d R;
+  R << x, z.cross(x), z;
+  return R;
+}
+
+Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const DynamicsLimits& limits,
+         std::uint64_t seed, GroundHeight ground)
+    : config_(voxnav::base::checked(config)),
+      ground_(ground ? std::move(ground) : [](double, double) { return std::optional<double>(0.0); }),
+      drift_(drift, seed),
+      imu_model_(imu, seed),
+      random_(seed, 0x72616e676500),
+      tracker_(limits),
+      standing_heading_rad_(config.start_heading_rad) {
+  const double ground_m = ground_(config.start_m[0], config.start_m[1]).value_or(0.0);
+  standing_W_ = Vec3(config.start_m[0], config.start_m[1], ground_m + config.standing_height_m);
+  stand();
+  place(0);
+  imu_.accel = Vec3(0, 0, kGravity);
+}
+
+/// On the ground the truth stands still and the estimate drifts.
+void Uav::stand() {
+  KinematicState state;
+  state.position = standing_W_ + drift_.position();
+  state.velocity = drift_.velocity();
+  state.heading_rad = voxnav::geometry::wrap_angle(standing_heading_rad_ + drift_.heading_rad());
+  tracker_.reset(state);
+}
+
+void Uav::step() {
+  const BodyState before = truth_;
+  drift_.step(kStep_s);
+  if (phase_ == FlightPhase::kIdle) {
+    stand();
+  } else {
+    tracker_.step();
+  }
+  stamp_ns_ += kStep_ns;
+  place(kStep_s);
+  measure(before);
+  update_phase();
+}
+
+/// Truth and estimate from the tracker's state and the drift.
+void Uav::place(double dt_s) {
+  const KinematicState s = tracker_.state();
+  const bool is_idle = phase_ == FlightPhase::kIdle;
+  const Eigen::Matrix3d R_before = truth_.pose.linear();
+  truth_.pose.translation() = is_idle ? standing_W_ : Vec3(s.position - drift_.position());
+  truth_.velocity = is_idle ? Vec3(Vec3::Zero()) : Vec3(s.velocity - drift_.velocity());
+  truth_.acceleration = is_idle ? Vec3(Vec3::Zero()) : Vec3(s.acceleration - drift_.acceleration());
+  truth_.pose.linear() = attitude_of(truth_.acceleration, s.heading_rad - drift_.heading_rad());
+  truth_.angular_velocity.setZero();
+  if (dt_s > 0) truth_.angular_velocity = rotation_vector(R_before.transpose() * truth_.pose.linear()) / dt_s;
+  estimate_ = {Pose::Identity(), s.velocity, s.acceleration, truth_.angular_velocity};
+  estimate_.pose.translation() = s.position;
+  estimate_.pose.linear() = Eigen::AngleAxisd(drift_.heading_rad(), Vec3::UnitZ()) * truth_.pose.linear();
+}
+
+void Uav::measure(const BodyState& before) {
+  const Eigen::Quaterniond half =
+      Eigen::Quaterniond(before.pose.linear()).slerp(0.5, Eigen::Quaterniond(truth_.pose.linear()));
+  const Vec3 acceleration = (truth_.velocity - before.velocity) / kStep_s;
+  imu_.stamp_ns = stamp_ns_;
+  imu_.gyro = truth_.angular_velocity;
+  imu_.accel = half.conjugate() * (acceleration + Vec3(0, 0, kGravity));
+  imu_model_.corrupt(kStep_s, &imu_);
+}
+
+std::optional<double> Uav::height_m() const {
+  const Vec3& p = truth_.pose.translation();
+  const auto ground = ground_(p.x(), p.y());
+  if (!ground) return std::nullopt;
+  return p.z() - *ground;
+}
+
+std::optional<double> Uav::rangefinder() {
+  const auto height = height_m();
+  if (!height) return std::nullopt;
+  // The ground is taken as level below the vehicle.
+  const double range = *height / truth_.pose.linear()(2, 2) + config_.rangefinder_noise_m * random_.normal();
+  if (range > config_.rangefinder_max_m) return std::nullopt;
+  return std::max(range, 0.0);
+}
+
+void Uav::update_phase() {
+  if (phase_ == FlightPhase::kTakingOff && tracker_.mode() == TrackerMode::kHold) phase_ = FlightPhase::kFlying;
+  if (phase_ != FlightPhase::kLanding) return;
+  const double above_m = height_m().value_or(config_.standing_height_m) - config_.standing_height_m;
+  if (above_m > 0.02 || tracker_.state().velocity.norm() > 0.1) {
+    // The estimate drifts on the way down, so that the goal is aimed at again.
+    HeadedPoint goal = tracker_.goal();
+    const double goal_z = tracker_.state().position.z() - above_m;
+    if (above_m < 0.5 && std::abs(goal.position.z() - goal_z) > 0.005) {
+      goal.position.z() = goal_z;
+      tracker_.go_to(goal);
+    }
+    return;
+  }
+  standing_W_ = truth_.pose.translation();
+  standing_heading_rad_ = voxnav::geometry::yaw_of(truth_.pose);
+  phase_ = FlightPhase::kIdle;
+}
+
+std::string Uav::refusal() const {
+  switch (phase_) {
+    case FlightPhase::kIdle:
+      return "not flying: take off first";
+    case FlightPhase::kTakingOff:
+      return "callbacks are disabled during take-off";
+    case FlightPhase::kLanding:
+      return "callbacks are disabled during landing";
+    case FlightPhase::kFlying:
+      return {};
+  }
+  return {};
+}
+
+CommandResult Uav::take_off() {
+  if (phase_ != FlightPhase::kIdle) return refused("already in the air");
+  phase_ = FlightPhase::kTakingOff;
+  const KinematicState s = tracker_.state();
+  const Vec3 up(0, 0, config_.take_off_height_m - config_.standing_height_m);
+  tracker_.go_to({s.position + up, s.heading_rad});
+  return {true, "taking off"};
+}
+
+CommandResult Uav::land() {
+  if (phase_ == FlightPhase::kIdle) return refused("not flying");
+  if (phase_ == FlightPhase::kLanding) return refused("already landing");
+  // The brake comes with the approach law: the horizontal goal is where the vehicle would stop.
+  const KinematicState s = tracker_.state();
+  const double a = tracker_.limits().horizontal.acceleration;
+  const Vec3 horizontal(s.velocity.x(), s.velocity.y(), 0);
+  Vec3 goal = s.position + horizontal * (0.5 * horizontal.norm() / (0.7 * a) + 0.2);
+  const Vec3 goal_W = goal - drift_.position();
+  const auto ground = ground_(goal_W.x(), goal_W.y());
+  if (!ground) return refused("no ground below");
+  goal.z() = *ground + config_.standing_height_m + drift_.position().z();
+  phase_ = FlightPhase::kLanding;
+  tracker_.go_to({goal, s.heading_rad});
+  return {true, "landing"};
+}
+
+CommandResult Uav::hover() {
+  if (const std::string why = refusal(); !why.empty()) return refused(why);
+  tracker_.brake();
+  return {true, "hovering"};
+}
+
+CommandResult Uav::go_to(const HeadedPoint& goal_O) {
+  if (const std::string why = refusal(); !why.empty()) return refused(why);
+  if (!is_finite(goal_O)) return refused("the reference contains a value that is not finite");
+  tracker_.go_to(goal_O);
+  return {true, "reference set"};
+}
+
+CommandResult Uav::set_trajectory(const TrackedTrajectory& trajectory_O) {
+  if (const std::string why = refusal(); !why.empty()) return refused(why);
+  if (trajectory_O.points.empty()) return refused("the trajectory is empty");
+  for (const HeadedPoint& point : trajectory_O.points) {
+    if (!is_finite(point)) return refused("the trajectory contains a value that is not finite");
+  }
+  if (!(trajectory_O.dt_s >= 0.01)) return refused("the trajectory's dt is shorter than the tracker's step of 0.01 s");
+  const double duration = trajectory_O.dt_s * static_cast<double>(trajectory_O.points.size() - 1);
+  if (!std::isfinite(trajectory_O.skip_s) || trajectory_O.skip_s < 0 || trajectory_O.skip_s > duration) {
+    return refused("the trajectory is over already");
+  }
+  const HeadedPoint &first = trajectory_O.points.front(), &last = trajectory_O.points.back();
+  const double turn = voxnav::geometry::wrap_angle(last.heading_rad - first.heading_rad);
+  if (trajectory_O.is_loop && ((last.position - first.position).norm() > 1.0 || std::abs(turn) > 0.2)) {
+    return refused("the trajectory cannot loop: its ends are more than 1 m or 0.2 rad apart");
+  }
+  tracker_.follow(trajectory_O);
+  return {true, "trajectory set"};
+}
+
+const KinematicState& Uav::predicted(double ahead_s) {
+  return tracker_.predicted(static_cast<std::size_t>(std::llround(std::clamp(ahead_s, 0.0, 10.0) / kStep_s)));
+}
+
+}  // namespace voxnav_simulation
