@@ -1,8 +1,181 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+
+#include "arrays.hpp"
+#include "bind_config.hpp"
 #include "floors.hpp"
+#include "voxnav/occupancy/local_map.hpp"
+#include "voxnav/occupancy/octomap_export.hpp"
 
 namespace voxnav::bindings {
+namespace {
 
-void bind_occupancy(pybind11::module_&) {}
+using occupancy::InsertStatistics;
+using occupancy::LocalMap;
+using occupancy::LocalMapConfig;
+using occupancy::MapContent;
+
+struct TimedStatistics : InsertStatistics {
+  double seconds = 0.0;
+};
+
+const float* points_of(const py::array& points, const char* name) {
+  if (points.ndim() != 2 || (points.shape(1) != 3 && points.shape(1) != 4)) {
+    throw py::value_error(std::string(name) + " must be a C-contiguous (n, 3) or (n, 4) array of float32");
+  }
+  return data_of<float>(points, name, {-1, points.shape(1)});
+}
+
+TimedStatistics insert(LocalMap& map, const py::array& points_L, const py::array& T_W_L, const py::object& no_returns) {
+  const float* points = points_of(points_L, "points_L");
+  const geometry::Pose pose = pose_of(T_W_L, "T_W_L");
+  const float* directions = nullptr;
+  std::size_t num_directions = 0;
+  py::array array;
+  if (!no_returns.is_none()) {
+    array = py::cast<py::array>(no_returns);
+    directions = data_of<float>(array, "no_return_directions", {-1, 3});
+    num_directions = static_cast<std::size_t>(array.shape(0));
+  }
+  const auto n = static_cast<std::size_t>(points_L.shape(0));
+  const auto stride = static_cast<std::size_t>(points_L.shape(1));
+  TimedStatistics out;
+  py::gil_scoped_release release;
+  const auto start = std::chrono::steady_clock::now();
+  static_cast<InsertStatistics&>(out) = map.insert(points, n, stride, directions, num_directions, pose);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return out;
+}
+
+py::array_t<std::int8_t> states(const LocalMap& map, const py::array& points_W) {
+  const float* points = data_of<float>(points_W, "points_W", {-1, 3});
+  py::array_t<std::int8_t> out(points_W.shape(0));
+  std::int8_t* data = out.mutable_data();
+  for (py::ssize_t i = 0; i < points_W.shape(0); ++i) {
+    const geometry::Vec3 p = Eigen::Map<const geometry::Vec3f>(points + 3 * i).cast<double>();
+    data[i] = static_cast<std::int8_t>(map.state(p));
+  }
+  return out;
+}
+
+py::tuple corridor_state(const LocalMap& map, const py::object& a, const py::object& b, double radius_m) {
+  const auto found = map.corridor_state(vec3_of(a, "a_W"), vec3_of(b, "b_W"), radius_m);
+  const py::object first_bad = found.first_bad_m ? py::object(py::float_(*found.first_bad_m)) : py::object(py::none());
+  return py::make_tuple(static_cast<int>(found.worst), first_bad);
+}
+
+py::object nearest_occupied(const LocalMap& map, const py::object& point, double max_distance_m) {
+  const auto found = map.nearest_occupied(vec3_of(point, "point_W"), max_distance_m);
+  if (!found) return py::none();
+  const geometry::Vec3& p = found->point;
+  return py::make_tuple(py::make_tuple(p.x(), p.y(), p.z()), found->distance_m);
+}
+
+void bind_statistics(py::module_& m) {
+  py::class_<TimedStatistics>(m, "InsertStatistics", "What one insertion into a LocalMap did; counts, and wall seconds.")
+      .def_readonly("points", &TimedStatistics::points)
+      .def_readonly("rejected_not_finite", &TimedStatistics::rejected_not_finite)
+      .def_readonly("rejected_too_near", &TimedStatistics::rejected_too_near, "Zero range included.")
+      .def_readonly("far", &TimedStatistics::far, "Beyond max_range_m: no hit.")
+      .def_readonly("outside_window", &TimedStatistics::outside_window)
+      .def_readonly("cells_hit", &TimedStatistics::cells_hit)
+      .def_readonly("cells_missed", &TimedStatistics::cells_missed)
+      .def_readonly("cells_occupied", &TimedStatistics::cells_occupied, "Became occupied.")
+      .def_readonly("cells_freed", &TimedStatistics::cells_freed, "Became free.")
+      .def_readonly("cells_evicted", &TimedStatistics::cells_evicted)
+      .def_readonly("blocks_evicted", &TimedStatistics::blocks_evicted)
+      .def_readonly("window_cleared", &TimedStatistics::window_cleared, "The pose jumped beyond the window.")
+      .def_readonly("seconds", &TimedStatistics::seconds);
+}
+
+void bind_content(py::module_& m) {
+  py::class_<MapContent>(m, "MapContent", "Known voxels of a local map with their mean hit points, for a submap.")
+      .def(py::init<>())
+      .def_readonly("resolution_m", &MapContent::resolution_m)
+      .def_property_readonly("num_blocks", [](const MapContent& c) { return c.blocks.size(); })
+      .def_property_readonly("num_occupied", &MapContent::num_occupied)
+      .def_property_readonly("memory_bytes", &MapContent::memory_bytes)
+      .def("merge", &MapContent::merge, py::arg("newer"), "Voxels that `newer` knows replace those of this content.")
+      .def("occupied_points",
+           [](const MapContent& c) {
+             std::vector<float> out;
+             for (const auto& block : c.blocks) {
+               for (const auto& leaf : block.occupied) {
+                 const geometry::Vec3f p = occupancy::surface_point(block.index, leaf, c.resolution_m);
+                 out.insert(out.end(), p.data(), p.data() + 3);
+               }
+             }
+             return array_from(std::move(out), 3);
+           },
+           "(k, 3) float32 mean hit points [m, frame of the map].")
+      .def("to_bytes", [](const MapContent& c) { return py::bytes(c.to_bytes()); })
+      .def_static("from_bytes", &MapContent::from_bytes, py::arg("bytes"));
+}
+
+void bind_queries(py::class_<LocalMap>& cls) {
+  cls.def("states", &states, py::arg("points_W"),
+          "(n,) int8 states (0 unknown, 1 free, 2 occupied) at (n, 3) float32 points [m].")
+      .def("corridor_state", &corridor_state, py::arg("a_W"), py::arg("b_W"), py::arg("radius_m"),
+           "Worst state (occupied, unknown, free in this order) of all voxels that a ball of radius_m touches between\n"
+           "two points, and the length [m] it gets before the first one that is not free (None if all are free).")
+      .def("box_state",
+           [](const LocalMap& map, const py::object& low, const py::object& high) {
+             return static_cast<int>(map.box_state({vec3_of(low, "min_W"), vec3_of(high, "max_W")}));
+           },
+           py::arg("min_W"), py::arg("max_W"), "Worst state of all voxels that an axis-aligned box touches.")
+      .def("ray_cast",
+           [](const LocalMap& map, const py::object& a, const py::object& b, bool pass_unknown) {
+             const auto found = map.ray_cast(vec3_of(a, "a_W"), vec3_of(b, "b_W"), pass_unknown);
+             return py::make_tuple(static_cast<int>(found.state), found.range_m);
+           },
+           py::arg("a_W"), py::arg("b_W"), py::arg("pass_unknown") = false,
+           "(state, range [m]) of the first voxel from a to b that is occupied, or unknown unless those may be passed.")
+      .def("nearest_occupied", &nearest_occupied, py::arg("point_W"), py::arg("max_distance_m"),
+           "((x, y, z), distance [m]) of the nearest mean hit point of an occupied voxel, None if there is none.");
+}
+
+void bind_outputs(py::class_<LocalMap>& cls) {
+  cls.def("occupied_points", [](const LocalMap& m) { return array_from(m.occupied_points(), 3); },
+          "(k, 3) float32 mean hit point of every occupied voxel [m].")
+      .def("occupied_centers",
+           [](const LocalMap& m, double threshold) { return array_from(m.centers_above(threshold), 3); },
+           py::arg("threshold") = 0.8, "(k, 3) float32 centres of voxels above the probability.")
+      .def("free_centers",
+           [](const LocalMap& m, double threshold) { return array_from(m.centers_below(threshold), 3); },
+           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
+      .def("content", &LocalMap::content, "All known voxels as MapContent.")
+      .def("take_evicted", &LocalMap::take_evicted, "What left the window since the last call, as MapContent.")
+      .def("to_bytes", [](const LocalMap& m) { return py::bytes(m.to_bytes()); })
+      .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))
+      .def("save", &LocalMap::save, py::arg("path"))
+      .def_static("load", &LocalMap::load, py::arg("path"))
+      .def("save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
+           py::arg("path"), "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).");
+}
+
+}  // namespace
+
+void bind_occupancy(py::module_& m) {
+  bind_config<LocalMapConfig>(m, "LocalMapConfig", "Parameters of LocalMap.");
+  bind_statistics(m);
+  bind_content(m);
+  py::class_<LocalMap> cls(m, "LocalMap", "Rolling three-state occupancy octree around a sensor. Not thread-safe.");
+  cls.def(py::init<const LocalMapConfig&>(), py::arg("config") = LocalMapConfig{})
+      .def("insert", &insert, py::arg("points_L"), py::arg("T_W_L"), py::arg("no_return_directions") = py::none(),
+           "Moves the window to the sensor and inserts one scan.\n\n"
+           "points_L: (n, 3) or (n, 4) float32 [m, sensor frame]; T_W_L: (4, 4) float64; no_return_directions: (m, 3)\n"
+           "float32 of beams that returned nothing. Raises ValueError on other shapes and types.")
+      .def("mark_free", [](LocalMap& map, const py::object& center, double radius_m) {
+             return map.mark_free(vec3_of(center, "center_W"), radius_m);
+           },
+           py::arg("center_W"), py::arg("radius_m"),
+           "Voxels with centres inside the ball become free unless occupied. Returns how many became free.")
+      .def("clear", &LocalMap::clear)
+      .def("set_thresholds", &LocalMap::set_thresholds, py::arg("free_threshold"), py::arg("occupied_threshold"))
+      .def_property_readonly("config", &LocalMap::config)
+      .def_property_readonly("memory_bytes", &LocalMap::memory_bytes);
+  bind_queries(cls);
+  bind_outputs(cls);
+}
 
 }  // namespace voxnav::bindings

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/geometry/aabb.hpp"
+#include "voxnav/occupancy/block_window.hpp"
+#include "voxnav/occupancy/map_content.hpp"
+#include "voxnav/occupancy/ray_marker.hpp"
+
+namespace voxnav::occupancy {
+
+/// What one insertion did.
+struct InsertStatistics {
+  std::size_t points = 0;
+  std::size_t rejected_not_finite = 0;
+  std::size_t rejected_too_near = 0;     ///< zero range included
+  std::size_t far = 0;                   ///< beyond max_range_m: no hit
+  std::size_t outside_window = 0;        ///< within range but above or below the window: no hit
+  std::size_t cells_hit = 0;
+  std::size_t cells_missed = 0;
+  std::size_t cells_occupied = 0;        ///< became occupied
+  std::size_t cells_freed = 0;           ///< became free
+  std::size_t cells_evicted = 0;         ///< known voxels that left the window
+  std::size_t blocks_evicted = 0;
+  bool window_cleared = false;           ///< the pose jumped beyond the window
+};
+
+/// Worst state (occupied, unknown, free in this order) of all voxels that a body of the given radius touches on
+/// its way, and how far it gets before it touches the first one that is not known free.
+struct CorridorState {
+  containers::State worst = containers::State::kFree;
+  std::optional<double> first_bad_m;
+};
+
+struct NearestSurface {
+  geometry::Vec3 point;  ///< mean hit point of the voxel
+  double distance_m = 0.0;
+};
+
+struct RayCast {
+  containers::State state = containers::State::kFree;  ///< of the voxel that stopped the ray; free = reached the end
+  double range_m = 0.0;                                ///< to where that voxel is entered, or the whole length
+};
+
+/// Rolling three-state occupancy octree around a sensor, frame O (or any fixed frame). Each scan gives each voxel
+/// at most one hit or one miss; hits win. Not thread-safe.
+/// Source: Duberg and Jensfelt, UFOMap, RA-L 2020, section III, for states and inner nodes.
+class LocalMap {
+ public:
+  explicit LocalMap(const LocalMapConfig& config);
+
+  /// Moves the window to the sensor and inserts n points of frame L (x y z first in every `stride` floats).
+  /// @throws std::invalid_argument when the pose is not finite or rigid. O(points + voxels crossed).
+  InsertStatistics insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L);
+  /// The same, and clears no_return_range_m along m unit directions of frame L that returned nothing.
+  InsertStatistics insert(const float* points, std::size_t n, std::size_t stride, const float* no_return_directions,
+                          std::size_t m, const geometry::Pose& T_W_L);
+  /// Voxels whose centre lies within `radius_m` become free unless they are occupied: the vehicle stands there.
+  std::size_t mark_free(const geometry::Vec3& center, double radius_m);
+  /// Everything becomes unknown; nothing is handed out.
+  void clear();
+  /// @throws base::ConfigError unless free < occupied and both are probabilities
+  void set_thresholds(double free_threshold, double occupied_threshold);
+
+  containers::State state(const geometry::Vec3& point) const;
+  /// Log-odds of the voxel at a point; none outside the window and where no scan ever reached.
+  std::optional<double> log_odds(const geometry::Vec3& point) const;
+  /// Worst state of all voxels that a box touches. Unknown when any part lies outside the window.
+  containers::State box_state(const geometry::Aabb& box) const;
+  CorridorState corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const;
+  /// From a towards b; stops at the first occupied voxel, and at unknown ones unless told to pass them.
+  RayCast ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, bool pass_unknown) const;
+  std::optional<NearestSurface> nearest_occupied(const geometry::Vec3& point, double max_distance_m) const;
+
+  /// (x, y, z) rows; blocks in the order of their index, voxels in the order of theirs.
+  std::vector<float> occupied_points() const;
+  std::vector<float> centers_above(double probability) const;
+  std::vector<float> centers_below(double probability) const;
+
+  MapContent content() const;
+  /// What left the window since the last call. Bounded by max_evicted_blocks.
+  MapContent take_evicted();
+  std::size_t num_evicted_pending() const { return evicted_.size(); }
+  std::size_t num_evicted_dropped() const { return evicted_dropped_; }
+  /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were given up.
+  containers::GridUpdate take_changes();
+  containers::GridUpdate snapshot() const;
+
+  std::string to_bytes() const;
+  /// @throws std::invalid_argument naming what is wrong with the bytes
+  static LocalMap from_bytes(const std::string& bytes);
+  /// @throws std::runtime_error when the file cannot be written or read
+  void save(const std::string& path) const;
+  static LocalMap load(const std::string& path);
+
+  const LocalMapConfig& config() const { return config_; }
+  const BlockWindow& window() const { return window_; }
+  const LogOddsScale& scale() const { return scale_; }
+  const StateLevels& levels() const { return levels_; }
+  std::size_t memory_bytes() const;
+
+ private:
+  bool is_in_window(const geometry::Vec3& point) const;
+  geometry::Vec3 to_window(const geometry::Vec3& point) const;
+  void move_window(const geometry::Vec3& center, InsertStatistics* statistics);
+  void keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* statistics);
+  void collect_points(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L,
+                      InsertStatistics* statistics);
+  void collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L);
+  void add_clearing(const geometry::Vec3& origin, geometry::Vec3 end);
+  void cast_rays(const geometry::Vec3& origin);
+  void weigh_crossings();
+  void update_blocks(InsertStatistics* statistics);
+  void note_removed(const geometry::Index3& block);
+
+  LocalMapConfig config_;
+  LogOddsScale scale_;
+  StateLevels levels_;
+  BlockWindow window_;
+  EndVoxels ends_;
+  std::vector<geometry::Vec3f> no_return_ends_;
+  std::vector<RayMarker> markers_;  ///< one per thread; results are merged into the first
+  std::map<std::uint32_t, VoxelBits> through_;  ///< per slot: voxels with hits that rays went through in this scan
+  std::map<geometry::Index3, ContentBlock> evicted_;
+  std::size_t evicted_dropped_ = 0;
+  std::set<geometry::Index3> removed_;
+  bool changes_lost_ = false;
+};
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "voxnav/containers/state_grid.hpp"
+#include "voxnav/occupancy/local_map_config.hpp"
+
+namespace voxnav::occupancy {
+
+double log_odds_of(double probability);
+double probability_of(double log_odds);
+
+/// Log-odds in one byte: level 0 is the lower clamp, `max` the upper one. The scale is chosen so that the
+/// numbers of hits and misses between states equal those of exact arithmetic (see transitions_of()).
+struct LogOddsScale {
+  double levels_per_unit = 1.0;
+  double min_log_odds = 0.0;
+  std::uint8_t prior = 0;  ///< level of probability 0.5, where every voxel starts
+  std::uint8_t max = 0;
+  std::uint8_t hit = 0;   ///< levels added by a hit
+  std::uint8_t miss = 0;  ///< levels taken by a miss
+
+  static LogOddsScale from(const LocalMapConfig& config);
+
+  double log_odds(int level) const { return (level - prior) / levels_per_unit; }
+  /// Highest level that is strictly below the probability, -1 if none.
+  int highest_below(double probability) const;
+  /// Lowest level that is strictly above the probability, max + 1 if none.
+  int lowest_above(double probability) const;
+};
+
+/// Levels that separate the three states; both thresholds themselves are unknown.
+struct StateLevels {
+  int free_max = -1;           ///< free up to and including this level
+  int occupied_min = 256;      ///< occupied from this level on
+
+  StateLevels() = default;
+  StateLevels(const LogOddsScale& scale, double free_threshold, double occupied_threshold)
+      : free_max(scale.highest_below(free_threshold)), occupied_min(scale.lowest_above(occupied_threshold)) {}
+  containers::State of(int level) const {
+    if (level >= occupied_min) return containers::State::kOccupied;
+    return level <= free_max ? containers::State::kFree : containers::State::kUnknown;
+  }
+};
+
+/// Scans needed between states, -1 where never reached.
+struct Transitions {
+  int hits_unknown_to_occupied;
+  int misses_unknown_to_free;
+  int misses_full_to_not_occupied;
+  int misses_full_to_free;
+  int hits_empty_to_not_free;
+  int hits_empty_to_occupied;
+};
+/// Exact arithmetic in doubles: what the byte scale has to reproduce.
+Transitions ideal_transitions(const LocalMapConfig& config);
+Transitions transitions_of(const LogOddsScale& scale, const StateLevels& levels);
+/// Sum over all counts of how far they are apart; 0 = the scale is faithful.
+int mismatch(const Transitions& a, const Transitions& b);
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "voxnav/occupancy/log_odds.hpp"
+#include "voxnav/occupancy/map_content.hpp"
+#include "voxnav/occupancy/surface_leaves.hpp"
+
+namespace voxnav::occupancy {
+
+/// What lies below a node of the octree. A leaf has exactly one bit.
+enum Contains : std::uint8_t { kContainsUnknown = 1, kContainsFree = 2, kContainsOccupied = 4 };
+
+/// One root of the forest: an octree over 16^3 voxels with all levels stored flat, x fastest. Level 0 are the
+/// voxels, level 4 the root; node (x, y, z) of level k has the children (2x + i, 2y + j, 2z + k) of level k - 1.
+class OctreeBlock {
+ public:
+  static constexpr int kLevels = 4;
+  using Flags = std::array<std::uint8_t, geometry::kBlockVolume>;
+
+  explicit OctreeBlock(std::uint8_t prior) { log_odds.fill(prior); }
+
+  alignas(16) std::array<std::uint8_t, geometry::kBlockVolume> log_odds;
+  SurfaceLeaves leaves;
+  bool changed = false;  ///< states differ from what was last reported
+
+  /// Contains bit of every voxel.
+  void leaf_flags(const StateLevels& levels, Flags* flags) const;
+  /// Recomputes all inner nodes from the voxels and their flags.
+  void refresh(const Flags& flags);
+
+  /// Inner nodes, level 1 to 4: the highest level of log-odds below, and Contains bits.
+  std::uint8_t node_max(int level, int x, int y, int z) const { return max_[node_index(level, x, y, z)]; }
+  std::uint8_t node_flags(int level, int x, int y, int z) const { return flags_[node_index(level, x, y, z)]; }
+  std::uint8_t root_flags() const { return flags_[kNodes - 1]; }
+  bool has_known() const { return (root_flags() & (kContainsFree | kContainsOccupied)) != 0; }
+
+  containers::StateBlock states(const StateLevels& levels) const;
+  ContentBlock content(const geometry::Index3& index, const StateLevels& levels) const;
+  std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
+
+ private:
+  static constexpr int kNodes = 512 + 64 + 8 + 1;
+  static constexpr std::array<int, kLevels + 1> kFirst{0, 0, 512, 576, 584};
+  static int node_index(int level, int x, int y, int z) {
+    const int shift = geometry::kBlockShift - level;
+    return kFirst[level] + x + (y << shift) + (z << (2 * shift));
+  }
+
+  std::array<std::uint8_t, kNodes> max_{};
+  std::array<std::uint8_t, kNodes> flags_{};
+};
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "voxnav/geometry/voxel.hpp"
+#include "voxnav/occupancy/map_content.hpp"
+
+namespace voxnav::occupancy {
+
+/// One bit per voxel of a block, in words of 64 voxels.
+using VoxelBits = std::array<std::uint64_t, geometry::kBlockVolume / 64>;
+
+/// What the hits inside one voxel say about the surface.
+struct SurfaceLeaf {
+  std::array<std::int16_t, 3> mean{};  ///< from the voxel centre; half a voxel edge = kMeanUnits
+  std::uint8_t scans = 0;              ///< scans that hit the voxel, saturates at 255
+  std::uint8_t octants = 0;            ///< octants seen through since the last hit
+
+  static constexpr float kMeanUnits = 32000.0f;
+  /// Mean hit point from the voxel centre, in voxel edges.
+  geometry::Vec3f offset() const {
+    return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits);
+  }
+  /// Adds the mean of one scan's hits (from the voxel centre, voxel edges). Scans weigh alike up to kMemory of
+  /// them; after that old ones fade, so that the mean follows a surface that moves.
+  void add_scan(const geometry::Vec3f& offset);
+  static constexpr int kMemory = 50;
+  OccupiedLeaf quantised(int offset_in_block) const;
+};
+
+/// The voxels of one block that hold hits, packed in voxel order; found by counting bits.
+class SurfaceLeaves {
+ public:
+  const VoxelBits& bits() const { return bits_; }
+  bool contains(int offset) const { return ((bits_[offset >> 6] >> (offset & 63)) & 1u) != 0; }
+  /// Null when the voxel holds none.
+  const SurfaceLeaf* find(int offset) const { return contains(offset) ? &leaves_[rank(offset)] : nullptr; }
+  SurfaceLeaf* find(int offset) { return contains(offset) ? &leaves_[rank(offset)] : nullptr; }
+  /// Afterwards exactly the voxels of `bits` hold a leaf: kept where there was one, else empty. O(block).
+  void assign(const VoxelBits& bits);
+  bool empty() const { return leaves_.empty(); }
+  std::size_t size() const { return leaves_.size(); }
+  std::size_t heap_bytes() const { return leaves_.capacity() * sizeof(SurfaceLeaf); }
+
+ private:
+  std::size_t rank(int offset) const {
+    const std::uint64_t below = (std::uint64_t{1} << (offset & 63)) - 1;
+    return first_[offset >> 6] + static_cast<std::size_t>(__builtin_popcountll(bits_[offset >> 6] & below));
+  }
+
+  VoxelBits bits_{};
+  std::array<std::uint16_t, 64> first_{};  ///< leaves before each word
+  std::vector<SurfaceLeaf> leaves_;
+};
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/occupancy/end_voxels.hpp"
+
+#include "voxnav/occupancy/byte_ops.hpp"
+
+namespace voxnav::occupancy {
+
+EndVoxels::EndVoxels(std::array<int, 3> num_blocks) : num_blocks_(num_blocks) {
+  index_.assign(static_cast<std::size_t>(num_blocks[0]) * num_blocks[1] * num_blocks[2], -1);
+}
+
+void EndVoxels::clear() {
+  for (const Block& block : blocks_) index_[block.slot] = -1;
+  blocks_.clear();
+  points_.clear();
+  hits_.clear();
+  clearing_ends_.clear();
+}
+
+EndVoxels::Address EndVoxels::address_of(int x, int y, int z) {
+  const int slot = (x >> 4) + num_blocks_[0] * ((y >> 4) + num_blocks_[1] * (z >> 4));
+  std::int32_t block = index_[slot];
+  if (block < 0) {
+    block = static_cast<std::int32_t>(blocks_.size());
+    index_[slot] = block;
+    blocks_.emplace_back();
+    blocks_.back().slot = static_cast<std::uint32_t>(slot);
+  }
+  return {static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(geometry::offset_in_block({x, y, z}))};
+}
+
+void EndVoxels::add_hit(const geometry::Vec3& end) {
+  // Coordinates in the window are never negative, so truncation is floor.
+  const int x = static_cast<int>(end.x());
+  const int y = static_cast<int>(end.y());
+  const int z = static_cast<int>(end.z());
+  const Address address = address_of(x, y, z);
+  blocks_[address.block].hits[address.offset >> 6] |= std::uint64_t{1} << (address.offset & 63);
+  points_.push_back({address, (end - geometry::Vec3(x + 0.5, y + 0.5, z + 0.5)).cast<float>()});
+}
+
+void EndVoxels::add_clearing(const geometry::Vec3& end) {
+  const Address address =
+      address_of(static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z()));
+  std::uint64_t& word = blocks_[address.block].clearing[address.offset >> 6];
+  const std::uint64_t bit = std::uint64_t{1} << (address.offset & 63);
+  if ((word & bit) == 0) clearing_ends_.push_back(end.cast<float>());
+  word |= bit;
+}
+
+std::size_t EndVoxels::count_hits() {
+  std::size_t total = 0;
+  for (Block& block : blocks_) {
+    block.first_hit = static_cast<std::uint32_t>(total);
+    std::size_t in_block = 0;
+    for (int word = 0; word < 64; ++word) {
+      block.hits_before[word] = static_cast<std::uint16_t>(in_block);
+      in_block += static_cast<std::size_t>(__builtin_popcountll(block.hits[word]));
+    }
+    total += in_block;
+  }
+  return total;
+}
+
+void EndVoxels::finish() {
+  sums_.assign(count_hits(), Sum{});
+  for (const EndPoint& point : points_) {
+    const Block& block = blocks_[point.address.block];
+    const std::uint32_t word = point.address.offset >> 6;
+    const std::uint64_t below = (std::uint64_t{1} << (point.address.offset & 63)) - 1;
+    Sum& sum = sums_[block.first_hit + block.hits_before[word] +
+                     static_cast<std::size_t>(__builtin_popcountll(block.hits[word] & below))];
+    sum.offset += point.from_center;
+    ++sum.count;
+  }
+  hits_.reserve(sums_.size());
+  for (const Block& block : blocks_) {
+    for (int word = 0; word < 64; ++word) {
+      for_each_bit(block.hits[word], [&](int bit) {
+        const Sum& sum = sums_[hits_.size()];
+        hits_.push_back({block.slot, static_cast<std::uint16_t>(word * 64 + bit),
+                         geometry::Vec3f(sum.offset / static_cast<float>(sum.count))});
+      });
+    }
+  }
+}
+
+std::vector<EndVoxels::Range> EndVoxels::ranges() const {
+  std::vector<Range> out;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const std::size_t end = i + 1 < blocks_.size() ? blocks_[i + 1].first_hit : hits_.size();
+    if (end > blocks_[i].first_hit) out.push_back({blocks_[i].slot, blocks_[i].first_hit, end});
+  }
+  return out;
+}
+
+geometry::Vec3f EndVoxels::center_of(const HitVoxel& hit) const {
+  const int x = static_cast<int>(hit.slot) % num_blocks_[0];
+  const int yz = static_cast<int>(hit.slot) / num_blocks_[0];
+  const geometry::Index3 voxel = geometry::voxel_at({x, yz % num_blocks_[1], yz / num_blocks_[1]}, hit.offset);
+  return geometry::Vec3f(static_cast<float>(voxel.x) + 0.5f, static_cast<float>(voxel.y) + 0.5f,
+                         static_cast<float>(voxel.z) + 0.5f);
+}
+
+std::size_t EndVoxels::memory_bytes() const {
+  return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
+         points_.capacity() * sizeof(EndPoint) + sums_.capacity() * sizeof(Sum) +
+         hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f);
+}
+
+}  // namespace voxnav::occupancy

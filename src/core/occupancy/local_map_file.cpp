@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "voxnav/base/bytes.hpp"
+#include "voxnav/occupancy/byte_ops.hpp"
+#include "voxnav/occupancy/local_map.hpp"
+
+namespace voxnav::occupancy {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
+constexpr std::uint32_t kVersion = 1;
+
+void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
+  LocalMapConfig::fields([&](const char*, auto member, const base::Rule&, const char*, const char*) { out->put(config.*member); });
+}
+
+LocalMapConfig get_config(base::ByteReader* in) {
+  LocalMapConfig config;
+  LocalMapConfig::fields([&](const char*, auto member, const base::Rule&, const char*, const char*) {
+    config.*member = in->get<std::decay_t<decltype(config.*member)>>();
+  });
+  const auto problems = base::problems_of(config);
+  if (!problems.empty()) in->fail("has an unusable configuration: " + problems.front());
+  return config;
+}
+
+void put_block(const OctreeBlock& block, base::ByteWriter* out) {
+  out->put(block.log_odds);
+  out->put(block.leaves.bits());
+  for (int word = 0; word < 64; ++word) {
+    for_each_bit(block.leaves.bits()[word], [&](int bit) { out->put(*block.leaves.find(64 * word + bit)); });
+  }
+}
+
+void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* in) {
+  block->log_odds = in->get<decltype(block->log_odds)>();
+  for (const std::uint8_t level : block->log_odds) {
+    if (level > scale.max) in->fail("has a voxel beyond the clamp");
+  }
+  block->leaves.assign(in->get<VoxelBits>());
+  for (int word = 0; word < 64; ++word) {
+    for_each_bit(block->leaves.bits()[word], [&](int bit) { *block->leaves.find(64 * word + bit) = in->get<SurfaceLeaf>(); });
+  }
+}
+
+}  // namespace
+
+std::string LocalMap::to_bytes() const {
+  base::ByteWriter out;
+  out.put(kMagic);
+  out.put(kVersion);
+  put_config(config_, &out);
+  out.put(window_.is_placed());
+  out.put(window_.first_block());
+  std::uint64_t count = 0;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) count += window_.at(slot) != nullptr ? 1 : 0;
+  out.put(count);
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    if (window_.at(slot) == nullptr) continue;
+    out.put<std::int32_t>(slot);
+    put_block(*window_.at(slot), &out);
+  }
+  return out.finish();
+}
+
+LocalMap LocalMap::from_bytes(const std::string& bytes) {
+  base::ByteReader in(bytes, "local map");
+  if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav local map");
+  if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
+  LocalMap map(get_config(&in));
+  const bool is_placed = in.get<std::uint8_t>() != 0;
+  const auto first = in.get<geometry::Index3>();
+  if (is_placed) map.window_.place(first);
+  const std::uint64_t count = in.get_count(geometry::kBlockVolume);
+  OctreeBlock::Flags flags;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto slot = in.get<std::int32_t>();
+    if (!is_placed || slot < 0 || slot >= map.window_.num_slots()) in.fail("has a block outside its window");
+    OctreeBlock& block = map.window_.ensure(slot, map.scale_.prior);
+    get_block(&block, map.scale_, &in);
+    block.leaf_flags(map.levels_, &flags);
+    block.refresh(flags);
+    block.changed = true;
+  }
+  return map;
+}
+
+void LocalMap::save(const std::string& path) const {
+  const std::string bytes = to_bytes();
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) throw std::runtime_error("cannot write " + path);
+}
+
+LocalMap LocalMap::load(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  return from_bytes(bytes);
+}
+
+}  // namespace voxnav::occupancy

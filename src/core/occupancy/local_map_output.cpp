@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What leaves the local map: points, content, changes. Also the few operations that touch all of it.
+#include <algorithm>
+#include <stdexcept>
+
+#include "voxnav/occupancy/local_map.hpp"
+
+namespace voxnav::occupancy {
+namespace {
+
+/// More removed blocks than this pending means that nobody listens; the next report is then a snapshot.
+constexpr std::size_t kMaxRemoved = 100000;
+
+template <class Wanted>
+std::vector<float> centers_where(const BlockWindow& window, double resolution_m, Wanted wanted) {
+  std::vector<float> out;
+  for (int slot = 0; slot < window.num_slots(); ++slot) {
+    const OctreeBlock* block = window.at(slot);
+    if (block == nullptr) continue;
+    const geometry::Index3 index = window.block_at(slot);
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      if (!wanted(block->log_odds[offset])) continue;
+      const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(index, offset), resolution_m);
+      for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<float>(center[axis]));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<float> LocalMap::centers_above(double probability) const {
+  const int lowest = scale_.lowest_above(probability);
+  return centers_where(window_, config_.resolution_m, [=](int level) { return level >= lowest; });
+}
+
+std::vector<float> LocalMap::centers_below(double probability) const {
+  const int highest = scale_.highest_below(probability);
+  return centers_where(window_, config_.resolution_m, [=](int level) { return level <= highest; });
+}
+
+std::vector<float> LocalMap::occupied_points() const {
+  std::vector<float> out;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    const OctreeBlock* block = window_.at(slot);
+    if (block == nullptr || (block->root_flags() & kContainsOccupied) == 0) continue;
+    const geometry::Index3 index = window_.block_at(slot);
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      if (block->log_odds[offset] < levels_.occupied_min) continue;
+      geometry::Vec3 point = geometry::center_of(geometry::voxel_at(index, offset), config_.resolution_m);
+      if (const SurfaceLeaf* leaf = block->leaves.find(offset)) point += leaf->offset().cast<double>() * config_.resolution_m;
+      for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<float>(point[axis]));
+    }
+  }
+  return out;
+}
+
+MapContent LocalMap::content() const {
+  MapContent out;
+  out.resolution_m = config_.resolution_m;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    const OctreeBlock* block = window_.at(slot);
+    if (block != nullptr && block->has_known()) out.blocks.push_back(block->content(window_.block_at(slot), levels_));
+  }
+  return out;
+}
+
+MapContent LocalMap::take_evicted() {
+  MapContent out;
+  out.resolution_m = config_.resolution_m;
+  for (auto& entry : evicted_) out.blocks.push_back(std::move(entry.second));
+  evicted_.clear();
+  return out;
+}
+
+void LocalMap::note_removed(const geometry::Index3& block) {
+  if (removed_.size() < kMaxRemoved) {
+    removed_.insert(block);
+  } else {
+    changes_lost_ = true;
+  }
+}
+
+containers::GridUpdate LocalMap::take_changes() {
+  containers::GridUpdate out;
+  if (changes_lost_) out = snapshot();
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    OctreeBlock* block = window_.at(slot);
+    if (block == nullptr || !block->changed) continue;
+    block->changed = false;
+    const geometry::Index3 index = window_.block_at(slot);
+    if (!block->has_known()) {
+      removed_.insert(index);
+    } else if (!changes_lost_) {
+      removed_.erase(index);
+      out.add(index, block->states(levels_));
+    }
+  }
+  if (!changes_lost_) {
+    for (const geometry::Index3& index : removed_) out.remove(index);
+  }
+  removed_.clear();
+  changes_lost_ = false;
+  return out;
+}
+
+containers::GridUpdate LocalMap::snapshot() const {
+  containers::GridUpdate out;
+  out.is_snapshot = true;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    const OctreeBlock* block = window_.at(slot);
+    if (block != nullptr && block->has_known()) out.add(window_.block_at(slot), block->states(levels_));
+  }
+  return out;
+}
+
+void LocalMap::clear() {
+  for (const EvictedBlock& block : window_.take_all()) note_removed(block.index);
+  evicted_.clear();
+}
+
+void LocalMap::set_thresholds(double free_threshold, double occupied_threshold) {
+  LocalMapConfig changed = config_;
+  changed.free_threshold = free_threshold;
+  changed.occupied_threshold = occupied_threshold;
+  config_ = base::checked(changed);
+  levels_ = StateLevels(scale_, free_threshold, occupied_threshold);
+  OctreeBlock::Flags flags;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    OctreeBlock* block = window_.at(slot);
+    if (block == nullptr) continue;
+    block->leaf_flags(levels_, &flags);
+    block->refresh(flags);
+    block->changed = true;
+  }
+}
+
+std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
+  if (!center.allFinite() || !(radius_m >= 0.0)) throw std::invalid_argument("mark_free needs a finite centre and radius");
+  if (!window_.is_placed()) window_.recenter(center);
+  const double reach = std::min(radius_m, config_.max_range_m);
+  const geometry::Index3 low = geometry::index_of(center.array() - reach, config_.resolution_m);
+  const geometry::Index3 high = geometry::index_of(center.array() + reach, config_.resolution_m);
+  std::set<int> touched;
+  std::size_t freed = 0;
+  geometry::Index3 v;
+  for (v.z = low.z; v.z <= high.z; ++v.z) {
+    for (v.y = low.y; v.y <= high.y; ++v.y) {
+      for (v.x = low.x; v.x <= high.x; ++v.x) {
+        const int slot = window_.slot_of(geometry::block_of(v));
+        const bool near = (geometry::center_of(v, config_.resolution_m) - center).norm() <= reach;
+        if (slot < 0 || !near) continue;
+        std::uint8_t& level = window_.ensure(slot, scale_.prior).log_odds[geometry::offset_in_block(v)];
+        if (level >= levels_.occupied_min || level == 0) continue;
+        freed += levels_.of(level) != containers::State::kFree ? 1 : 0;
+        level = 0;
+        touched.insert(slot);
+      }
+    }
+  }
+  OctreeBlock::Flags flags;
+  for (const int slot : touched) {
+    window_.at(slot)->leaf_flags(levels_, &flags);
+    window_.at(slot)->refresh(flags);
+    window_.at(slot)->changed = true;
+  }
+  return freed;
+}
+
+std::size_t LocalMap::memory_bytes() const {
+  std::size_t bytes = sizeof(*this) + window_.memory_bytes() + ends_.memory_bytes();
+  for (const RayMarker& marker : markers_) bytes += marker.memory_bytes();
+  for (const auto& entry : evicted_) bytes += sizeof(entry) + entry.second.occupied.capacity() * sizeof(OccupiedLeaf);
+  return bytes + removed_.size() * 48 + no_return_ends_.capacity() * sizeof(geometry::Vec3f);
+}
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "voxnav/occupancy/local_map.hpp"
+#include "voxnav/occupancy/octree_search.hpp"
+#include "voxnav/occupancy/segment_distance.hpp"
+
+namespace voxnav::occupancy {
+namespace {
+
+using containers::State;
+
+constexpr double kMaxCells = 5e8;
+constexpr std::int64_t kMaxRaySteps = 1000000;
+
+/// How bad a state is for a vehicle: free, unknown, occupied.
+int badness(std::uint8_t flags) {
+  if ((flags & kContainsOccupied) != 0) return 2;
+  return (flags & kContainsUnknown) != 0 ? 1 : 0;
+}
+
+State state_of_badness(int badness) {
+  constexpr State kStates[] = {State::kFree, State::kUnknown, State::kOccupied};
+  return kStates[badness];
+}
+
+void require_finite(const geometry::Vec3& a, const geometry::Vec3& b, double resolution_m) {
+  const double limit = kMaxCells * resolution_m;
+  if (!(a.cwiseAbs().maxCoeff() < limit) || !(b.cwiseAbs().maxCoeff() < limit)) {
+    throw std::invalid_argument("query points must be finite and within the grid");
+  }
+}
+
+/// Gathers the worst state and the first touch of anything that is not free.
+class CorridorSearch {
+ public:
+  CorridorSearch(const Segment& segment, double radius_m) : segment_(segment), radius_m_(radius_m) {}
+
+  /// Whether anything in the node can still change the answer.
+  bool enter(const geometry::Vec3& center, double half_edge, std::uint8_t flags) {
+    const int here = badness(flags);
+    if (here == 0) return false;
+    const double reach = radius_m_ + half_edge * std::sqrt(3.0);
+    if (segment_.distance_to_point(center) > reach) return false;
+    if (here > worst_) return true;
+    return (segment_.nearest_ratio(center) * segment_.length() - reach) < first_bad_m_;
+  }
+  void leaf(const geometry::Vec3& center, double half_edge, std::uint8_t flags) {
+    const double nearest = segment_.nearest_ratio(center, half_edge);
+    if (segment_.distance_at(nearest, center, half_edge) > radius_m_) return;
+    worst_ = std::max(worst_, badness(flags));
+    first_bad_m_ =
+        std::min(first_bad_m_, segment_.length() * segment_.first_touch(nearest, radius_m_, center, half_edge));
+  }
+  void starts_in_unknown() {
+    worst_ = std::max(worst_, 1);
+    first_bad_m_ = 0.0;
+  }
+  CorridorState result() const {
+    CorridorState out;
+    out.worst = state_of_badness(worst_);
+    if (worst_ > 0) out.first_bad_m = first_bad_m_;
+    return out;
+  }
+
+ private:
+  Segment segment_;
+  double radius_m_;
+  int worst_ = 0;
+  double first_bad_m_ = std::numeric_limits<double>::infinity();
+};
+
+class BoxSearch {
+ public:
+  explicit BoxSearch(const geometry::Aabb& box) : box_(box) {}
+  bool enter(const geometry::Vec3& center, double half_edge, std::uint8_t flags) const {
+    return badness(flags) > worst_ && box_.intersects({center.array() - half_edge, center.array() + half_edge});
+  }
+  void leaf(const geometry::Vec3&, double, std::uint8_t flags) { worst_ = std::max(worst_, badness(flags)); }
+  State result() const { return state_of_badness(worst_); }
+
+ private:
+  geometry::Aabb box_;
+  int worst_ = 0;
+};
+
+class NearestSearch {
+ public:
+  NearestSearch(const geometry::Vec3& point, double max_distance_m) : point_(point), best_m_(max_distance_m) {}
+  bool enter(const geometry::Vec3& center, double half_edge, std::uint8_t flags) const {
+    if ((flags & kContainsOccupied) == 0) return false;
+    const geometry::Vec3 d = ((point_ - center).cwiseAbs().array() - half_edge).max(0.0);
+    return d.norm() <= best_m_;
+  }
+  void surface(const geometry::Vec3& surface_point) {
+    const double distance_m = (surface_point - point_).norm();
+    if (distance_m > best_m_ || (found_ && distance_m == best_m_)) return;
+    best_m_ = distance_m;
+    found_ = NearestSurface{surface_point, distance_m};
+  }
+  const std::optional<NearestSurface>& result() const { return found_; }
+
+ private:
+  geometry::Vec3 point_;
+  double best_m_;
+  std::optional<NearestSurface> found_;
+};
+
+}  // namespace
+
+State LocalMap::state(const geometry::Vec3& point) const {
+  if (!((point.array().abs() / config_.resolution_m) < kMaxCells).all()) return State::kUnknown;
+  const geometry::Index3 voxel = geometry::index_of(point, config_.resolution_m);
+  const OctreeBlock* block = window_.find(geometry::block_of(voxel));
+  return block ? levels_.of(block->log_odds[geometry::offset_in_block(voxel)]) : State::kUnknown;
+}
+
+std::optional<double> LocalMap::log_odds(const geometry::Vec3& point) const {
+  if (!((point.array().abs() / config_.resolution_m) < kMaxCells).all()) return std::nullopt;
+  const geometry::Index3 voxel = geometry::index_of(point, config_.resolution_m);
+  const OctreeBlock* block = window_.find(geometry::block_of(voxel));
+  if (block == nullptr) return std::nullopt;
+  return scale_.log_odds(block->log_odds[geometry::offset_in_block(voxel)]);
+}
+
+State LocalMap::box_state(const geometry::Aabb& box) const {
+  require_finite(box.min, box.max, config_.resolution_m);
+  if (box.empty()) throw std::invalid_argument("the box is empty");
+  BoxSearch search(box);
+  search_octree(window_, config_.resolution_m, levels_, box, &search);
+  const bool all_inside = is_in_window(box.min) && is_in_window(box.max);
+  return all_inside || search.result() == State::kOccupied ? search.result() : State::kUnknown;
+}
+
+bool LocalMap::is_in_window(const geometry::Vec3& point) const {
+  return window_.slot_of(geometry::block_of(geometry::index_of(point, config_.resolution_m))) >= 0;
+}
+
+CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const {
+  require_finite(a, b, config_.resolution_m);
+  if (!(radius_m >= 0.0) || !std::isfinite(radius_m)) throw std::invalid_argument("radius_m must be finite and not negative");
+  geometry::Aabb box;
+  box.extend(a);
+  box.extend(b);
+  CorridorSearch search(Segment(a, b), radius_m);
+  search_octree(window_, config_.resolution_m, levels_, box.padded(radius_m), &search);
+  if (!is_in_window(a)) search.starts_in_unknown();
+  return search.result();
+}
+
+std::optional<NearestSurface> LocalMap::nearest_occupied(const geometry::Vec3& point, double max_distance_m) const {
+  require_finite(point, point, config_.resolution_m);
+  if (!(max_distance_m >= 0.0) || !std::isfinite(max_distance_m)) throw std::invalid_argument("max_distance_m must be finite");
+  NearestSearch search(point, max_distance_m);
+  geometry::Aabb box;
+  box.extend(point);
+  search_surface(window_, config_.resolution_m, levels_, box.padded(max_distance_m), &search);
+  return search.result();
+}
+
+RayCast LocalMap::ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, bool pass_unknown) const {
+  require_finite(a, b, config_.resolution_m);
+  const double length = (b - a).norm();
+  const double v = config_.resolution_m;
+  geometry::Index3 cell = geometry::index_of(a, v);
+  const geometry::Index3 last = geometry::index_of(b, v);
+  int* coordinates[3] = {&cell.x, &cell.y, &cell.z};
+  const std::int64_t steps = std::abs(std::int64_t{last.x} - cell.x) + std::abs(std::int64_t{last.y} - cell.y) +
+                             std::abs(std::int64_t{last.z} - cell.z);
+  if (steps > kMaxRaySteps) throw std::invalid_argument("the ray is too long");
+  geometry::Vec3 next;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = b[axis] - a[axis];
+    next[axis] = d == 0.0 ? std::numeric_limits<double>::infinity() : ((*coordinates[axis] + (d > 0.0 ? 1 : 0)) * v - a[axis]) / d;
+  }
+  double entered = 0.0;
+  for (std::int64_t i = 0; i <= steps; ++i) {
+    const State here = state(geometry::center_of(cell, v));
+    if (here == State::kOccupied || (here == State::kUnknown && !pass_unknown)) return {here, entered * length};
+    int axis = 0;
+    next.minCoeff(&axis);
+    entered = std::min(1.0, next[axis]);
+    *coordinates[axis] += b[axis] > a[axis] ? 1 : -1;
+    next[axis] += v / std::abs(b[axis] - a[axis]);
+  }
+  return {State::kFree, length};
+}
+
+}  // namespace voxnav::occupancy

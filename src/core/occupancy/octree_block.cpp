@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/occupancy/octree_block.hpp"
+
+#include <algorithm>
+
+#include "voxnav/occupancy/byte_ops.hpp"
+
+namespace voxnav::occupancy {
+namespace {
+
+using containers::State;
+
+struct Max {
+  std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return std::max(a, b); }
+};
+struct Or {
+  std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return static_cast<std::uint8_t>(a | b); }
+};
+
+/// Eight children to one parent over a whole level of Side^3 nodes. Rows are combined first, so that the
+/// compiler turns the inner loop into vector instructions.
+template <int Side, class Combine>
+void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
+  constexpr int kHalf = Side / 2;
+  for (int z = 0; z < kHalf; ++z) {
+    for (int y = 0; y < kHalf; ++y) {
+      const std::uint8_t* row = in + (2 * z * Side + 2 * y) * Side;
+      std::uint8_t merged[Side];
+      for (int x = 0; x < Side; ++x) {
+        merged[x] = combine(combine(row[x], row[x + Side]),
+                            combine(row[x + Side * Side], row[x + Side * Side + Side]));
+      }
+      for (int x = 0; x < kHalf; ++x) out[(z * kHalf + y) * kHalf + x] = combine(merged[2 * x], merged[2 * x + 1]);
+    }
+  }
+}
+
+template <class Combine>
+void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine) {
+  reduce<16>(voxels, nodes, combine);
+  reduce<8>(nodes, nodes + 512, combine);
+  reduce<4>(nodes + 512, nodes + 576, combine);
+  reduce<2>(nodes + 576, nodes + 584, combine);
+}
+
+}  // namespace
+
+constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
+
+void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
+  const auto free_end = static_cast<std::uint8_t>(levels.free_max + 1);
+  const auto occupied_min = static_cast<std::uint8_t>(std::min(levels.occupied_min, 255));
+  for (int i = 0; i < geometry::kBlockVolume; ++i) {
+    const std::uint8_t level = log_odds[i];
+    const std::uint8_t not_free = level >= occupied_min ? kContainsOccupied : kContainsUnknown;
+    (*flags)[i] = level < free_end ? static_cast<std::uint8_t>(kContainsFree) : not_free;
+  }
+}
+
+void OctreeBlock::refresh(const Flags& flags) {
+  reduce_all(log_odds.data(), max_.data(), Max{});
+  reduce_all(flags.data(), flags_.data(), Or{});
+}
+
+containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {
+  Flags flags;
+  leaf_flags(levels, &flags);
+  containers::StateBlock out;
+  // Unknown 1, free 2, occupied 4 become 0, 1, 2 by halving.
+  for (int word = 0; word < geometry::kBlockVolume / 32; ++word) {
+    std::uint64_t packed = 0;
+    for (int i = 0; i < 32; ++i) packed |= static_cast<std::uint64_t>(flags[word * 32 + i] >> 1) << (2 * i);
+    out.words[word] = packed;
+  }
+  return out;
+}
+
+ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLevels& levels) const {
+  ContentBlock out;
+  out.index = index;
+  out.states = states(levels);
+  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+    if (log_odds[offset] < levels.occupied_min) continue;
+    const SurfaceLeaf* leaf = leaves.find(offset);
+    out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset));
+  }
+  return out;
+}
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/occupancy/local_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "scan_maker.hpp"
+
+using namespace voxnav;  // NOLINT: test
+using containers::State;
+using geometry::Vec3;
+using occupancy::LocalMap;
+using occupancy::LocalMapConfig;
+using test::insert_from;
+
+namespace {
+
+const Vec3 kOrigin(0.2, 0.2, 0.2);
+
+LocalMapConfig small_config() {
+  LocalMapConfig config;
+  config.window_size_m = {40, 40, 20};
+  return config;
+}
+
+int scans_until(LocalMap* map, const Vec3& seen, const Vec3& at, State wanted, bool equal = true) {
+  for (int n = 1; n < 50; ++n) {
+    insert_from(map, kOrigin, {seen});
+    if ((map->state(at) == wanted) == equal) return n;
+  }
+  return -1;
+}
+
+}  // namespace
+
+TEST(LocalMap, HitAndMissCountsFollowTheReferenceTable) {
+  const Vec3 near(5.0, 0.2, 0.2);
+  const Vec3 behind(10.0, 0.2, 0.2);
+  LocalMap map(small_config());
+  EXPECT_EQ(scans_until(&map, near, near, State::kOccupied), 2);
+  for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {near});
+  LocalMap copy = LocalMap::from_bytes(map.to_bytes());
+  EXPECT_EQ(scans_until(&copy, behind, near, State::kOccupied, false), 6);
+  EXPECT_EQ(scans_until(&map, behind, near, State::kFree), 11);
+  for (int i = 0; i < 20; ++i) insert_from(&map, kOrigin, {behind});
+  EXPECT_EQ(scans_until(&map, near, near, State::kOccupied), 4);
+
+  LocalMap fresh(small_config());
+  EXPECT_EQ(scans_until(&fresh, behind, near, State::kFree), 3);
+}
+
+TEST(LocalMap, HitsWinWithinOneScan) {
+  LocalMap map(small_config());
+  const Vec3 near(5.0, 0.2, 0.2);
+  for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {near, Vec3(10.0, 0.2, 0.2), Vec3(8.0, 0.21, 0.2)});
+  EXPECT_EQ(map.state(near), State::kOccupied);
+  EXPECT_NEAR(*map.log_odds(near), occupancy::log_odds_of(0.971), 0.05);
+}
+
+TEST(LocalMap, ManyRaysThroughOneVoxelAreOneMiss) {
+  LocalMap map(small_config());
+  std::vector<Vec3> fan;
+  for (int i = 0; i < 50; ++i) fan.emplace_back(10.0, 0.2 + 0.01 * i, 0.2);
+  const auto statistics = insert_from(&map, kOrigin, fan);
+  EXPECT_NEAR(*map.log_odds(kOrigin), occupancy::log_odds_of(0.4), 0.01);
+  EXPECT_EQ(statistics.cells_hit, 2u);
+}
+
+TEST(LocalMap, RaysBesideAThinPoleDoNotEraseIt) {
+  LocalMap map(small_config());
+  const Vec3 pole(8.05, 0.05, 0.2);
+  for (int i = 0; i < 4; ++i) insert_from(&map, kOrigin, {pole});
+  for (int i = 0; i < 100; ++i) insert_from(&map, kOrigin, {Vec3(12.0, 0.35, 0.2)});
+  EXPECT_EQ(map.state(pole), State::kOccupied);
+  for (int i = 0; i < 20; ++i) insert_from(&map, kOrigin, {kOrigin + 1.5 * (pole - kOrigin)});
+  EXPECT_EQ(map.state(pole), State::kFree) << "seen straight through it is gone within 2 s at 10 Hz";
+}
+
+TEST(LocalMap, RaysOverASlopedGroundDoNotEraseIt) {
+  LocalMap map(small_config());
+  const Vec3 sensor(0.2, 0.2, 3.0);
+  std::vector<Vec3> near_ground;
+  std::vector<Vec3> farther_ground;
+  for (double x = 6.0; x < 14.0; x += 0.05) near_ground.emplace_back(x, 0.2, 0.05);
+  for (double x = 14.0; x < 18.0; x += 0.5) farther_ground.emplace_back(x, 0.2, 0.05);
+  for (int i = 0; i < 4; ++i) insert_from(&map, sensor, near_ground);
+  for (int i = 0; i < 100; ++i) insert_from(&map, sensor, farther_ground);
+  for (double x = 6.1; x < 14.0; x += 0.4) EXPECT_EQ(map.state(Vec3(x, 0.2, 0.05)), State::kOccupied) << x;
+}
+
+TEST(LocalMap, BadPointsAreCountedAndChangeNothing) {
+  LocalMap map(small_config());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  const std::vector<float> points{nan, 0, 0, 7, 0, inf, 0, 7, 0, 0, 0, 7, 100, 0, 0, 7, 1, 0, 0, 7};
+  const auto statistics = map.insert(points.data(), 5, 4, test::at(0.2, 0.2, 0.2));
+  EXPECT_EQ(statistics.rejected_not_finite, 2u);
+  EXPECT_EQ(statistics.rejected_too_near, 1u);
+  EXPECT_EQ(statistics.far, 1u);
+  EXPECT_EQ(statistics.cells_hit, 1u);
+  geometry::Pose bad = geometry::Pose::Identity();
+  bad.translation().x() = nan;
+  EXPECT_THROW(map.insert(points.data(), 5, 4, bad), std::invalid_argument);
+}
+
+TEST(LocalMap, FarPointsClearUpToTheLongestRayOnly) {
+  LocalMapConfig config = small_config();
+  config.max_range_m = 10.0;
+  LocalMap map(config);
+  for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, {Vec3(60.2, 0.2, 0.2)});
+  EXPECT_EQ(map.state(Vec3(9.8, 0.2, 0.2)), State::kFree);
+  EXPECT_EQ(map.state(Vec3(10.8, 0.2, 0.2)), State::kUnknown);
+  config.clear_beyond_range = false;
+  LocalMap strict(config);
+  for (int i = 0; i < 3; ++i) insert_from(&strict, kOrigin, {Vec3(60.2, 0.2, 0.2)});
+  EXPECT_EQ(strict.state(Vec3(5.0, 0.2, 0.2)), State::kUnknown);
+}
+
+TEST(LocalMap, BeamsWithoutReturnNeverTouchAnOccupiedVoxel) {
+  LocalMapConfig config = small_config();
+  config.no_return_range_m = 8.0;
+  LocalMap map(config);
+  const Vec3 wall(5.0, 0.2, 0.2);
+  for (int i = 0; i < 2; ++i) insert_from(&map, kOrigin, {wall});
+  const float directions[3] = {1.0f, 0.0f, 0.0f};
+  for (int i = 0; i < 30; ++i) map.insert(nullptr, 0, 3, directions, 1, test::at(0.2, 0.2, 0.2));
+  EXPECT_EQ(map.state(wall), State::kOccupied);
+  EXPECT_EQ(map.state(Vec3(7.0, 0.2, 0.2)), State::kFree);
+  EXPECT_EQ(map.state(Vec3(9.0, 0.2, 0.2)), State::kUnknown);
+}
+
+TEST(LocalMap, MeanHitPointsLieOnTheSurface) {
+  LocalMap map(small_config());
+  std::vector<Vec3> wall;
+  for (double y = -3.0; y < 3.0; y += 0.03) {
+    for (double z = -1.0; z < 1.0; z += 0.03) wall.emplace_back(6.07, y, z);
+  }
+  for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, wall);
+  const auto points = map.occupied_points();
+  ASSERT_GT(points.size(), 100u);
+  for (std::size_t i = 0; i < points.size(); i += 3) EXPECT_NEAR(points[i], 6.07, 1e-3);
+}
+
+TEST(LocalMap, FootprintBecomesFreeButNeverErasesAnObstacle) {
+  LocalMap map(small_config());
+  const Vec3 obstacle(0.6, 0.2, 0.2);
+  for (int i = 0; i < 2; ++i) insert_from(&map, Vec3(-3.0, 0.2, 0.2), {obstacle});
+  EXPECT_GT(map.mark_free(kOrigin, 1.0), 20u);
+  EXPECT_EQ(map.state(obstacle), State::kOccupied);
+  EXPECT_EQ(map.state(Vec3(0.2, 0.6, -0.2)), State::kFree);
+  EXPECT_EQ(map.state(Vec3(0.2, 1.8, 0.2)), State::kUnknown);
+}
+
+TEST(LocalMap, ThresholdsChangeAtRunTime) {
+  LocalMap map(small_config());
+  const Vec3 p(5.0, 0.2, 0.2);
+  insert_from(&map, kOrigin, {p});
+  EXPECT_EQ(map.state(p), State::kUnknown);
+  EXPECT_EQ(map.box_state({p, p}), State::kUnknown);
+  map.set_thresholds(0.45, 0.6);
+  EXPECT_EQ(map.state(p), State::kOccupied);
+  EXPECT_EQ(map.box_state({p, p}), State::kOccupied);
+  EXPECT_EQ(map.box_state({Vec3(2, 0.2, 0.2), Vec3(3, 0.2, 0.2)}), State::kFree);
+  EXPECT_THROW(map.set_thresholds(0.5, 0.5), base::ConfigError);
+}
+
+TEST(LocalMap, FileRoundTripAndTruncation) {
+  LocalMap map(small_config());
+  for (unsigned i = 0; i < 4; ++i) insert_from(&map, kOrigin, test::random_points(i, 500, kOrigin, 12.0));
+  const std::string bytes = map.to_bytes();
+  LocalMap read = LocalMap::from_bytes(bytes);
+  EXPECT_EQ(read.to_bytes(), bytes);
+  EXPECT_EQ(read.content().to_bytes(), map.content().to_bytes());
+  for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 13) {
+    EXPECT_THROW(LocalMap::from_bytes(bytes.substr(0, size)), std::invalid_argument);
+  }
+  EXPECT_THROW(LocalMap::load("/nonexistent/map"), std::runtime_error);
+}
+
+TEST(LocalMap, ResultDoesNotDependOnThreads) {
+  LocalMapConfig config = small_config();
+  LocalMap one(config);
+  config.num_threads = 3;
+  LocalMap three(config);
+  for (unsigned i = 0; i < 5; ++i) {
+    const Vec3 origin(0.9 * i, 0.3, 0.1);
+    insert_from(&one, origin, test::random_points(i % 2, 2000, Vec3(0, 0, 0), 12.0));
+    insert_from(&three, origin, test::random_points(i % 2, 2000, Vec3(0, 0, 0), 12.0));
+  }
+  EXPECT_EQ(one.content().to_bytes(), three.content().to_bytes());
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "scan_maker.hpp"
+
+using namespace voxnav;  // NOLINT: test
+using containers::State;
+using containers::StateGrid;
+using geometry::Vec3;
+using occupancy::LocalMap;
+using occupancy::LocalMapConfig;
+using test::insert_from;
+
+namespace {
+
+LocalMapConfig small_config() {
+  LocalMapConfig config;
+  config.window_size_m = {30, 30, 20};
+  config.max_range_m = 12.0;
+  return config;
+}
+
+void fly(LocalMap* map, int scans, double step) {
+  for (int i = 0; i < scans; ++i) {
+    const Vec3 origin(step * i, 0.3 * step * i, 1.0);
+    insert_from(map, origin, test::random_points(static_cast<unsigned>(i) / 3, 300, origin, 9.0));
+  }
+}
+
+}  // namespace
+
+TEST(LocalMapWindow, WhatLeavesTheWindowIsHandedOutOnce) {
+  LocalMapConfig config = small_config();
+  LocalMap map(config);
+  const Vec3 origin(0.2, 0.2, 0.2);
+  const Vec3 post(5.0, 0.2, 0.2);
+  for (int i = 0; i < 3; ++i) insert_from(&map, origin, {post});
+  const auto away = insert_from(&map, Vec3(25.0, 0.2, 0.2), {});
+  EXPECT_GT(away.cells_evicted, 0u);
+  EXPECT_FALSE(away.window_cleared);
+  EXPECT_EQ(map.state(post), State::kUnknown);
+  const occupancy::MapContent out = map.take_evicted();
+  ASSERT_EQ(out.num_occupied(), 1u);
+  for (const auto& block : out.blocks) {
+    for (const auto& leaf : block.occupied) {
+      EXPECT_LT((occupancy::surface_point(block.index, leaf, out.resolution_m).cast<double>() - post).norm(), 0.01);
+    }
+  }
+  EXPECT_TRUE(map.take_evicted().blocks.empty());
+}
+
+TEST(LocalMapWindow, HoveringAcrossABlockBorderEvictsNothing) {
+  LocalMap map(small_config());
+  insert_from(&map, Vec3(6.3, 0.2, 0.2), test::random_points(1, 300, Vec3(6.3, 0.2, 0.2), 9.0));
+  std::size_t evicted = 0;
+  for (int i = 0; i < 20; ++i) evicted += insert_from(&map, Vec3(i % 2 ? 6.3 : 6.5, 0.2, 0.2), {}).blocks_evicted;
+  EXPECT_EQ(evicted, 0u);
+}
+
+TEST(LocalMapWindow, AJumpClearsAndHandsOutEverything) {
+  LocalMap map(small_config());
+  fly(&map, 5, 0.3);
+  const auto known = map.content();
+  ASSERT_GT(known.num_occupied(), 10u);
+  map.take_evicted();
+  const auto statistics = insert_from(&map, Vec3(1000, 0, 0), {});
+  EXPECT_TRUE(statistics.window_cleared);
+  EXPECT_EQ(map.take_evicted().to_bytes(), known.to_bytes());
+  EXPECT_TRUE(map.content().blocks.empty());
+}
+
+TEST(LocalMapWindow, EvictedBlocksAreBoundedAndDropsCounted) {
+  LocalMapConfig config = small_config();
+  config.max_evicted_blocks = 3;
+  LocalMap map(config);
+  fly(&map, 40, 2.0);
+  EXPECT_EQ(map.num_evicted_pending(), 3u);
+  EXPECT_GT(map.num_evicted_dropped(), 0u);
+}
+
+TEST(LocalMapWindow, WindowCoversItsSize) {
+  const LocalMapConfig config = small_config();
+  for (double shift = 0.0; shift < 13.0; shift += 0.7) {
+    LocalMap map(config);
+    insert_from(&map, Vec3(0.1, 0.1, 0.1), {});
+    insert_from(&map, Vec3(shift, 0.1, 0.1), {});
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 p(shift + side * 14.9, 0.1, 0.1);
+      EXPECT_GE(map.window().slot_of(geometry::block_of(geometry::index_of(p, 0.4))), 0) << shift;
+    }
+  }
+}
+
+TEST(LocalMapWindow, ChangesRebuildTheMapElsewhere) {
+  LocalMap map(small_config());
+  StateGrid mirror(map.config().resolution_m);
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 origin(1.5 * i, 0.0, 1.0);
+    insert_from(&map, origin, test::random_points(static_cast<unsigned>(i) / 3, 300, origin, 9.0));
+    if (i == 20) map.clear();
+    if (i % 4 != 0) containers::apply(map.take_changes(), &mirror);
+  }
+  containers::apply(map.take_changes(), &mirror);
+  StateGrid whole(map.config().resolution_m);
+  containers::apply(map.snapshot(), &whole);
+  ASSERT_EQ(mirror.sorted_block_indices(), whole.sorted_block_indices());
+  for (const auto& [index, block] : whole.blocks()) EXPECT_EQ(block.words, mirror.find_block(index)->words);
+}
