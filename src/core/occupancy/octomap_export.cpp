@@ -3,6 +3,7 @@
 
 #include <octomap/octomap.h>
 
+#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -44,8 +45,12 @@ bool ends_with(const std::string& text, const std::string& ending) {
 void save_octomap(const LocalMap& map, const std::string& path) {
   const bool binary = ends_with(path, ".bt");
   if (!binary && !ends_with(path, ".ot")) throw std::invalid_argument("an OctoMap file ends in .ot or .bt: " + path);
+  std::ofstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot write " + path);
   octomap::OcTree tree = octree_of(map);
-  if (!(binary ? tree.writeBinary(path) : tree.write(path))) throw std::runtime_error("cannot write " + path);
+  const bool written = binary ? tree.writeBinary(file) : tree.write(file);
+  file.close();
+  if (!written || !file) throw std::runtime_error("cannot write " + path);
 }
 
 std::vector<std::int8_t> octomap_message_data(const LocalMap& map, bool binary) {

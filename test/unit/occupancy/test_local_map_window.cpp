@@ -35,7 +35,7 @@ TEST(LocalMapWindow, WhatLeavesTheWindowIsHandedOutOnce) {
   const Vec3 origin(0.2, 0.2, 0.2);
   const Vec3 post(5.0, 0.2, 0.2);
   for (int i = 0; i < 3; ++i) insert_from(&map, origin, {post});
-  const auto away = insert_from(&map, Vec3(25.0, 0.2, 0.2), {});
+  const auto away = insert_from(&map, Vec3(30.2, 0.2, 0.2), {});
   EXPECT_GT(away.cells_evicted, 0u);
   EXPECT_FALSE(away.window_cleared);
   EXPECT_EQ(map.state(post), State::kUnknown);

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav::pipeline {
+
+/// Motion of the sensor during one sweep.
+struct SweepMotion {
+  geometry::Pose T_O_L_start = geometry::Pose::Identity();  ///< at time offset 0
+  geometry::Pose T_O_L_end = geometry::Pose::Identity();    ///< at time offset duration_ns
+  std::uint32_t duration_ns = 0;
+};
+
+/// The pose halfway through the sweep.
+geometry::Pose middle_of(const SweepMotion& motion);
+
+/// Moves points of a spinning sensor (x, y, z first in every `stride` floats, each in the sensor frame of its own
+/// time) to the sensor frame halfway through the sweep, in place. Motion is taken as linear in position and slerp in
+/// rotation, in kSteps steps. Points that are not finite stay as they are. O(n).
+void deskew(float* points, const std::uint32_t* time_offsets_ns, std::size_t n, std::size_t stride,
+            const SweepMotion& motion);
+constexpr int kDeskewSteps = 64;
+
+}  // namespace voxnav::pipeline
