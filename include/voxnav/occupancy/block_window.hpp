@@ -20,6 +20,10 @@ struct EvictedBlock {
 class BlockWindow {
  public:
   BlockWindow(std::array<int, 3> num_blocks, double block_size_m);
+  BlockWindow(const BlockWindow&) = delete;
+  BlockWindow& operator=(const BlockWindow&) = delete;
+  BlockWindow(BlockWindow&&) = default;
+  BlockWindow& operator=(BlockWindow&&) = default;
 
   struct Move {
     bool moved = false;

@@ -35,12 +35,11 @@ class EndVoxels {
   /// Null when nothing ended in the block.
   const VoxelBits* hit_bits(std::uint32_t slot) const { return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits; }
   struct Range {
-    std::uint32_t slot;
     std::size_t begin;
     std::size_t end;
   };
-  /// Where each block's hits lie in hits().
-  std::vector<Range> ranges() const;
+  /// Where the hits of a block lie in hits(); may be empty.
+  Range range(std::uint32_t slot) const;
   geometry::Vec3f center_of(const HitVoxel& hit) const;
   std::size_t memory_bytes() const;
 

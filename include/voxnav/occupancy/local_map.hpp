@@ -10,6 +10,7 @@
 
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/geometry/aabb.hpp"
+#include "voxnav/occupancy/block_update.hpp"
 #include "voxnav/occupancy/block_window.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 #include "voxnav/occupancy/ray_marker.hpp"
@@ -118,6 +119,7 @@ class LocalMap {
   void cast_rays(const geometry::Vec3& origin);
   void weigh_crossings();
   void update_blocks(InsertStatistics* statistics);
+  void update_slot(std::uint32_t slot, BlockEvidence evidence, InsertStatistics* statistics);
   void note_removed(const geometry::Index3& block);
 
   LocalMapConfig config_;
@@ -126,6 +128,7 @@ class LocalMap {
   BlockWindow window_;
   EndVoxels ends_;
   std::vector<geometry::Vec3f> no_return_ends_;
+  ScanBox box_;
   std::vector<RayMarker> markers_;  ///< one per thread; results are merged into the first
   std::map<std::uint32_t, VoxelBits> through_;  ///< per slot: voxels with hits that rays went through in this scan
   std::map<geometry::Index3, ContentBlock> evicted_;

@@ -38,6 +38,9 @@ struct StateLevels {
   StateLevels() = default;
   StateLevels(const LogOddsScale& scale, double free_threshold, double occupied_threshold)
       : free_max(scale.highest_below(free_threshold)), occupied_min(scale.lowest_above(occupied_threshold)) {}
+  /// The same as bytes: free below the first, occupied from the second on.
+  std::uint8_t free_end() const { return static_cast<std::uint8_t>(free_max + 1); }
+  std::uint8_t occupied_begin() const { return static_cast<std::uint8_t>(occupied_min < 255 ? occupied_min : 255); }
   containers::State of(int level) const {
     if (level >= occupied_min) return containers::State::kOccupied;
     return level <= free_max ? containers::State::kFree : containers::State::kUnknown;

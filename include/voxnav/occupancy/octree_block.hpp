@@ -35,6 +35,8 @@ class OctreeBlock {
   std::uint8_t node_max(int level, int x, int y, int z) const { return max_[node_index(level, x, y, z)]; }
   std::uint8_t node_flags(int level, int x, int y, int z) const { return flags_[node_index(level, x, y, z)]; }
   std::uint8_t root_flags() const { return flags_[kNodes - 1]; }
+  /// False until the first refresh(): every summarised node contains something.
+  bool is_summarised() const { return root_flags() != 0; }
   bool has_known() const { return (root_flags() & (kContainsFree | kContainsOccupied)) != 0; }
 
   containers::StateBlock states(const StateLevels& levels) const;

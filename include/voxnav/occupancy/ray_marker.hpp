@@ -6,6 +6,7 @@
 
 #include "voxnav/occupancy/block_window.hpp"
 #include "voxnav/occupancy/end_voxels.hpp"
+#include "voxnav/occupancy/scan_box.hpp"
 
 namespace voxnav::occupancy {
 
@@ -13,20 +14,16 @@ namespace voxnav::occupancy {
 struct MissGuard {
   float distance_voxels = 0.25f;
   float end_voxels = 1.5f;
-  int octants = 6;
 };
 
 /// Marks the voxels that the rays of one scan cross: one bit per voxel, set by however many rays. Several markers
 /// may work on one map at once; each has its own marks.
 class RayMarker {
  public:
+  /// 64 voxels of a block.
   struct Row {
     std::uint64_t passed = 0;
     std::uint64_t surface = 0;  ///< voxels that hold hits of earlier scans and were not hit in this one
-  };
-  struct BlockMarks {
-    std::array<Row, 64> rows{};
-    std::uint32_t slot = 0;
   };
   /// A ray that crossed a voxel with hits: which octants it went through, all of them when it met the mean.
   struct Crossing {
@@ -35,39 +32,37 @@ class RayMarker {
     std::uint8_t octants;
   };
 
-  explicit RayMarker(std::array<int, 3> num_blocks);
-
-  /// Forgets all marks. Both references must outlive the casts; origin in voxel edges from the window's corner.
-  void begin(const BlockWindow& window, const EndVoxels& ends, const MissGuard& guard, const geometry::Vec3& origin);
-  enum class Ray {
-    kHit,      ///< ends on a surface: its end voxel is not marked
-    kClearing, ///< went on behind its end
-    kNoReturn  ///< as clearing, but never speaks against a voxel that holds hits
-  };
-  /// Marks from the end voxel to the voxel of the origin exactly the voxels on the line.
-  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987.
-  void cast(const geometry::Vec3f& end, Ray kind);
+  /// Forgets all marks. All references must outlive the casts; origin in voxel edges from the window's corner.
+  void begin(const BlockWindow& window, const EndVoxels& ends, const ScanBox& box, const MissGuard& guard,
+             const geometry::Vec3& origin);
+  /// Marks every voxel on the line from `end` to the origin, both included. A ray that is no evidence against
+  /// surfaces leaves voxels that hold hits alone. Both points must lie in the box.
+  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987; here slab by
+  /// slab along the longest axis, so that the steps do not wait for each other.
+  void cast(const geometry::Vec3f& end, bool is_evidence);
   void merge(const RayMarker& other);
 
-  const std::vector<BlockMarks>& blocks() const { return blocks_; }
+  /// Blocks of the box that were crossed, in the order of their number.
+  std::vector<std::uint32_t> touched_blocks() const;
+  const Row* rows(std::uint32_t block) const { return rows_.data() + 64 * static_cast<std::size_t>(block); }
   const std::vector<Crossing>& crossings() const { return crossings_; }
-  /// Null when no ray crossed the block.
-  const BlockMarks* marks(std::uint32_t slot) const { return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]]; }
   std::size_t memory_bytes() const;
 
  private:
-  struct Walk;
-  BlockMarks& touch(std::uint32_t slot);
-  void mark(BlockMarks& block, int offset, const Walk& walk);
-  void cross_surface(std::uint32_t slot, int offset, const Walk& walk);
+  struct Line;
+  struct Run;
+  void visit(std::uint32_t address, Run* run);
+  void flush(Run* run);
+  void walk(const Line& line, Run* run);
+  void cross_surfaces(std::uint32_t row, std::uint64_t bits, const Run& run);
+  void cross_surface(std::uint32_t block, int offset, const Run& run);
 
-  std::array<int, 3> num_blocks_;
   const BlockWindow* window_ = nullptr;
-  const EndVoxels* ends_ = nullptr;
+  const ScanBox* box_ = nullptr;
   MissGuard guard_;
   geometry::Vec3f origin_ = geometry::Vec3f::Zero();
-  std::vector<std::int32_t> index_;  ///< of a slot in blocks_, -1 = none
-  std::vector<BlockMarks> blocks_;
+  std::vector<Row> rows_;              ///< 64 per block of the box; clean outside begin() .. next begin()
+  std::vector<std::uint8_t> touched_;  ///< per block of the box
   std::vector<Crossing> crossings_;
 };
 

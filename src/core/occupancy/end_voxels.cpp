@@ -85,13 +85,11 @@ void EndVoxels::finish() {
   }
 }
 
-std::vector<EndVoxels::Range> EndVoxels::ranges() const {
-  std::vector<Range> out;
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const std::size_t end = i + 1 < blocks_.size() ? blocks_[i + 1].first_hit : hits_.size();
-    if (end > blocks_[i].first_hit) out.push_back({blocks_[i].slot, blocks_[i].first_hit, end});
-  }
-  return out;
+EndVoxels::Range EndVoxels::range(std::uint32_t slot) const {
+  const std::int32_t i = index_[slot];
+  if (i < 0) return {0, 0};
+  const auto next = static_cast<std::size_t>(i) + 1;
+  return {blocks_[i].first_hit, next < blocks_.size() ? blocks_[next].first_hit : hits_.size()};
 }
 
 geometry::Vec3f EndVoxels::center_of(const HitVoxel& hit) const {

@@ -47,7 +47,7 @@ LocalMap::LocalMap(const LocalMapConfig& config)
       levels_(scale_, config_.free_threshold, config_.occupied_threshold),
       window_(config_.window_blocks(), block_size(config_)),
       ends_(config_.window_blocks()) {
-  for (int i = 0; i < config_.num_threads; ++i) markers_.emplace_back(config_.window_blocks());
+  markers_.resize(static_cast<std::size_t>(config_.num_threads));
 }
 
 InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L) {
@@ -155,23 +155,25 @@ void LocalMap::collect_no_returns(const float* directions, std::size_t m, const 
 }
 
 void LocalMap::cast_rays(const geometry::Vec3& origin) {
-  const MissGuard guard{static_cast<float>(config_.guard_distance_voxels), static_cast<float>(config_.guard_end_voxels),
-                        config_.guard_octants};
+  const MissGuard guard{static_cast<float>(config_.guard_distance_voxels), static_cast<float>(config_.guard_end_voxels)};
+  // One block more than the longest ray: the sensor may be anywhere in its own block.
+  const int reach = static_cast<int>(std::ceil(config_.max_range_m / block_size(config_))) + 1;
+  box_ = ScanBox(window_.num_blocks(), geometry::index_of(origin, geometry::kBlockSide), reach);
   const std::size_t hits = ends_.hits().size();
   const std::size_t clearing = ends_.clearing_ends().size();
   const std::size_t total = hits + clearing + no_return_ends_.size();
   const auto work = [&](std::size_t worker) {
     RayMarker& marker = markers_[worker];
-    marker.begin(window_, ends_, guard, origin);
+    marker.begin(window_, ends_, box_, guard, origin);
     const std::size_t end = total * (worker + 1) / markers_.size();
     for (std::size_t i = total * worker / markers_.size(); i < end; ++i) {
       if (i < hits) {
         const HitVoxel& hit = ends_.hits()[i];
-        marker.cast(ends_.center_of(hit) + hit.mean, RayMarker::Ray::kHit);
+        marker.cast(ends_.center_of(hit) + hit.mean, true);
       } else if (i < hits + clearing) {
-        marker.cast(ends_.clearing_ends()[i - hits], RayMarker::Ray::kClearing);
+        marker.cast(ends_.clearing_ends()[i - hits], true);
       } else {
-        marker.cast(no_return_ends_[i - hits - clearing], RayMarker::Ray::kNoReturn);
+        marker.cast(no_return_ends_[i - hits - clearing], false);
       }
     }
   };
@@ -197,23 +199,23 @@ void LocalMap::weigh_crossings() {
   }
 }
 
+void LocalMap::update_slot(std::uint32_t slot, BlockEvidence evidence, InsertStatistics* statistics) {
+  const auto through = through_.find(slot);
+  if (through != through_.end()) evidence.through = &through->second;
+  const BlockUpdate done = update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, scale_, levels_);
+  statistics->cells_missed += done.missed;
+  statistics->cells_freed += done.became_free;
+  statistics->cells_occupied += done.became_occupied;
+}
+
+/// Every ray crosses its end voxel's block, so the touched blocks are all blocks.
 void LocalMap::update_blocks(InsertStatistics* statistics) {
-  const auto update = [&](std::uint32_t slot, BlockEvidence evidence) {
-    const auto through = through_.find(slot);
-    if (through != through_.end()) evidence.through = &through->second;
-    const BlockUpdate done = update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, scale_, levels_);
-    statistics->cells_missed += done.missed;
-    statistics->cells_freed += done.became_free;
-    statistics->cells_occupied += done.became_occupied;
-  };
   statistics->cells_hit = ends_.hits().size();
-  for (const EndVoxels::Range& range : ends_.ranges()) {
-    update(range.slot, {markers_[0].marks(range.slot), nullptr, ends_.hits().data() + range.begin, ends_.hits().data() + range.end});
-  }
-  for (const RayMarker::BlockMarks& marks : markers_[0].blocks()) {
-    const VoxelBits* hits = ends_.hit_bits(marks.slot);
-    const bool done = hits != nullptr && std::any_of(hits->begin(), hits->end(), [](std::uint64_t word) { return word != 0; });
-    if (!done) update(marks.slot, {&marks, nullptr, nullptr, nullptr});
+  for (const std::uint32_t block : markers_[0].touched_blocks()) {
+    const std::uint32_t slot = box_.slot_of(block);
+    const EndVoxels::Range hits = ends_.range(slot);
+    update_slot(slot, {markers_[0].rows(block), nullptr, ends_.hits().data() + hits.begin, ends_.hits().data() + hits.end},
+                statistics);
   }
 }
 

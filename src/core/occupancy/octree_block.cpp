@@ -48,8 +48,8 @@ void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine
 constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
 
 void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
-  const auto free_end = static_cast<std::uint8_t>(levels.free_max + 1);
-  const auto occupied_min = static_cast<std::uint8_t>(std::min(levels.occupied_min, 255));
+  const std::uint8_t free_end = levels.free_end();
+  const std::uint8_t occupied_min = levels.occupied_begin();
   for (int i = 0; i < geometry::kBlockVolume; ++i) {
     const std::uint8_t level = log_odds[i];
     const std::uint8_t not_free = level >= occupied_min ? kContainsOccupied : kContainsUnknown;

@@ -62,8 +62,11 @@ TEST(ByteOps, VectorAndPlainSubtractionAgree) {
     for (auto& v : a) v = static_cast<std::uint8_t>(rng());
     auto b = a;
     const std::uint64_t mask = rng() & rng();
-    occupancy::subtract_where(a.data(), mask, 11);
-    occupancy::subtract_where_plain(b.data(), mask, 11);
+    const auto fast = occupancy::subtract_where(a.data(), mask, 11, 40, 90);
+    const auto plain = occupancy::subtract_where_plain(b.data(), mask, 11, 40, 90);
+    EXPECT_EQ(fast.any_changed, plain.any_changed);
+    EXPECT_EQ(fast.crossed_free, plain.crossed_free);
+    EXPECT_EQ(fast.crossed_occupied, plain.crossed_occupied);
     EXPECT_EQ(a, b);
   }
 }
