@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "voxnav/submap/submap_collection.hpp"
+
+namespace voxnav::submap {
+
+using Color = std::array<std::uint8_t, 3>;
+
+struct Mesh {
+  std::vector<geometry::Vec3f> vertices;                ///< m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from free space
+  std::vector<Color> colors;                            ///< per vertex, or empty
+
+  /// Adds another mesh, moved by T_A_B and in one colour.
+  void append(const Mesh& other, const geometry::Pose& T_A_B, const Color& color);
+};
+
+/// Zero level of the stored distances of a submap, frame S. Only cubes whose eight corners all have distances are
+/// looked at; those lie within two voxels of occupied ones, so that nothing floats at the edge of what is known.
+/// Stops at max_triangles. Closed wherever the stored distances are. O(stored distances).
+/// Source: Lorensen & Cline 1987; polygons are traced along the faces with inside corners kept apart on ambiguous
+/// faces, which makes neighbouring cubes agree without a table of cases.
+Mesh extract_mesh(const Submap& submap, std::size_t max_triangles = 10000000);
+
+/// Meshes of all submaps in W, one colour each.
+Mesh extract_mesh(const SubmapCollection& collection, std::size_t max_triangles = 10000000);
+
+/// Same id, same colour; neighbouring ids differ clearly.
+Color color_of(std::uint32_t submap_id);
+
+/// Binary little-endian PLY.
+std::string to_ply(const Mesh& mesh);
+
+}  // namespace voxnav::submap

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "voxnav/submap/submap.hpp"
+
+namespace voxnav::submap {
+
+struct ProjectiveConfig {
+  double resolution_m = 0.4;
+  double truncation_m = 0.8;
+  double min_range_m = 0.5;
+  double max_range_m = 26.0;
+  std::string rule = "merged";
+  std::string weighting = "constant";
+  bool use_drop_off = true;
+  bool use_anti_grazing = true;
+  bool use_carving = true;
+  double max_weight = 10000.0;
+  double min_weight = 0.5;
+  int max_blocks = 20000;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = ProjectiveConfig;
+    v("resolution_m", &C::resolution_m, base::in(0.02, 5.0), "m", "edge of one voxel");
+    v("truncation_m", &C::truncation_m, base::in(0.04, 20.0), "m", "distances are kept up to here; at least 2 voxels");
+    v("min_range_m", &C::min_range_m, base::in(0.0, 10.0), "m", "nearer points are ignored");
+    v("max_range_m", &C::max_range_m, base::in(1.0, 300.0), "m", "farther points only clear free space up to here");
+    v("rule", &C::rule, base::one_of({"simple", "merged", "fast"}), "",
+      "one ray per point, per end voxel, or per half voxel and only through voxels not yet seen");
+    v("weighting", &C::weighting, base::one_of({"constant", "inverse_square"}), "", "weight of a point by its range");
+    v("use_drop_off", &C::use_drop_off, base::any(), "", "weights fall linearly to zero behind the surface");
+    v("use_anti_grazing", &C::use_anti_grazing, base::any(), "",
+      "rays leave voxels alone in which other points of the scan end");
+    v("use_carving", &C::use_carving, base::any(), "",
+      "rays start at the sensor; else only the truncation band is updated");
+    v("max_weight", &C::max_weight, base::in(1.0, 1e9), "", "weights saturate here");
+    v("min_weight", &C::min_weight, base::in(1e-6, 1e6), "", "a voxel is observed from this weight on");
+    v("max_blocks", &C::max_blocks, base::in(1, 1000000), "", "space beyond is not opened");
+  }
+  std::vector<std::string> problems() const;
+};
+
+/// Truncated signed distances along rays. For comparison with the occupancy filling and for sensors without a local
+/// map; it overestimates at grazing angles and rays outvote thin things, unless anti-grazing is on.
+/// Source: Curless & Levoy 1996; rules and weights as in Oleynikova et al. 2017 (Voxblox), section IV; range weight by
+/// the true range, not by z. Deterministic. Not thread-safe.
+class ProjectiveIntegrator {
+ public:
+  struct Counts {
+    std::size_t points = 0;
+    std::size_t dropped = 0;  ///< not finite or too near
+    std::size_t rays = 0;
+    std::size_t voxels = 0;   ///< updates
+    std::size_t refused = 0;  ///< updates refused because max_blocks are open
+  };
+
+  explicit ProjectiveIntegrator(const ProjectiveConfig& config);
+
+  /// Fuse one scan. @param points_L sensor frame, m; n may be 0  @param T_S_L pose at scan time
+  /// @throws std::invalid_argument on an invalid pose
+  /// @complexity O(rays * range / voxel)
+  Counts integrate(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L);
+
+  /// Distance and weight at the centre of a voxel; false where nothing was fused.
+  bool voxel(const geometry::Index3& index, float* distance_m, float* weight) const;
+
+  /// Freezes what was fused; voxels that the surface passes become occupied, those in front free, those behind stay
+  /// unknown. The integrator is empty afterwards.
+  /// @param T_S_G frame of the poses that integrate() was given (its S) in the frame of the submap
+  std::shared_ptr<Submap> finish(const SubmapConfig& config, const geometry::Pose& T_S_G = geometry::Pose::Identity());
+
+ private:
+  struct Block {
+    std::array<float, geometry::kBlockVolume> distance{};  ///< m
+    std::array<float, geometry::kBlockVolume> weight{};
+    std::array<std::uint32_t, geometry::kBlockVolume> seen{};  ///< number of the last scan
+  };
+  struct Ray {
+    geometry::Vec3 end;
+    float weight;
+    bool is_clearing;
+  };
+  using VoxelSet = std::unordered_set<geometry::Index3, geometry::Index3Hash>;
+
+  std::vector<Ray> rays_of(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L,
+                           Counts* counts) const;
+  std::vector<Ray> merged(const std::vector<Ray>& rays) const;
+  std::vector<Ray> thinned(const std::vector<Ray>& rays) const;
+  void cast(const geometry::Vec3& origin, const Ray& ray, Counts* counts);
+  bool update(const geometry::Index3& index, double distance, float weight, Counts* counts);
+  Block* open(const geometry::Index3& block);
+  FilledBlock fill(const geometry::Index3& index, const Block& block) const;
+  bool observed(const geometry::Index3& index, float* distance) const;
+  bool has_free_neighbor(const geometry::Index3& index) const;
+  bool gradient(const geometry::Index3& index, float distance, geometry::Vec3f* out) const;
+
+  ProjectiveConfig config_;
+  std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
+  VoxelSet ends_;
+  std::uint32_t scan_ = 0;
+};
+
+}  // namespace voxnav::submap

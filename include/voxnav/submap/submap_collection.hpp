@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "voxnav/geometry/pose.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
+#include "voxnav/submap/submap.hpp"
+
+namespace voxnav::submap {
+
+struct SubmapCollectionConfig {
+  double resolution_m = 0.4;
+  double clearing_distance_m = 0.4;
+  double pose_tolerance_m = 0.02;
+  int max_submaps = 5000;
+  double max_memory_mb = 2000.0;
+
+  template <class V>
+  static void fields(V&& v) {
+    v("resolution_m", &SubmapCollectionConfig::resolution_m, base::in(0.05, 5.0), "m", "voxel edge of the merged map");
+    v("clearing_distance_m", &SubmapCollectionConfig::clearing_distance_m, base::in(0.0, 5.0), "m",
+      "newer free space removes an older surface unless the newer submap has one of its own nearer than this");
+    v("pose_tolerance_m", &SubmapCollectionConfig::pose_tolerance_m, base::in(0.0, 1.0), "m",
+      "a submap is merged anew when a corner of its box moved farther than this");
+    v("max_submaps", &SubmapCollectionConfig::max_submaps, base::in(1, 1000000), "",
+      "the oldest submap is dropped beyond");
+    v("max_memory_mb", &SubmapCollectionConfig::max_memory_mb, base::in(1.0, 1e6), "MB",
+      "the oldest submap is dropped while submaps take more");
+  }
+};
+
+/// A submap with what is known about how it was made.
+struct SubmapEntry {
+  std::uint32_t id = 0;
+  base::StampNs start_ns = 0;
+  base::StampNs end_ns = 0;
+  geometry::Pose T_O_S = geometry::Pose::Identity();
+  geometry::Pose T_W_S = geometry::Pose::Identity();
+  std::vector<geometry::StampedPose> T_S_B;  ///< pose history
+  std::shared_ptr<const Submap> submap;
+};
+
+/// All finished submaps and what they say together in the map frame W. Not thread-safe.
+class SubmapCollection {
+ public:
+  explicit SubmapCollection(const SubmapCollectionConfig& config);
+
+  /// Replaces a submap of the same id. Age is the end stamp, then the id.
+  /// @throws std::invalid_argument without a submap or with an invalid pose
+  void add(SubmapEntry entry);
+  /// @return false when there is no such submap
+  bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S);
+  bool remove(std::uint32_t id);
+  void clear();
+
+  const SubmapEntry* find(std::uint32_t id) const;
+  /// Oldest first.
+  std::vector<const SubmapEntry*> entries() const;
+  std::size_t size() const { return records_.size(); }
+  std::uint64_t num_dropped() const { return num_dropped_; }
+
+  /// Brings the merged evidence up to date. Cost follows the submaps that are new or moved: O(their blocks * submaps
+  /// that overlap there). @return blocks that changed, sorted
+  std::vector<geometry::Index3> update();
+  /// As of the last update().
+  const EvidenceMap& evidence() const { return evidence_; }
+
+  /// These call update() first.
+  std::vector<geometry::Vec3f> occupied_points();
+  containers::StateGrid obstacles(double safety_distance_m);
+  containers::State state(const geometry::Vec3& p_W);
+  /// Distance to the nearest believed surface, at most max_distance_m; nothing where W is unknown.
+  std::optional<double> distance(const geometry::Vec3& p_W, double max_distance_m);
+
+  const SubmapCollectionConfig& config() const { return config_; }
+  std::size_t memory_bytes() const;
+
+  /// Writes every submap and an index into `directory`. Each file is written beside its name, synced and renamed, the
+  /// index last, so that a crash leaves the state before. @throws std::runtime_error naming file and reason
+  void save(const std::string& directory) const;
+  /// @param problems null: the first broken submap throws; else it is left out and described there
+  /// @throws std::invalid_argument or std::runtime_error when the index is absent or broken
+  static SubmapCollection load(const std::string& directory, std::vector<std::string>* problems = nullptr);
+
+ private:
+  using Key = std::pair<base::StampNs, std::uint32_t>;
+  struct Record {
+    SubmapEntry entry;
+    geometry::Pose merged_T_W_S = geometry::Pose::Identity();
+    bool is_merged = false;
+    std::vector<geometry::Index3> blocks;  ///< footprint where it is merged
+  };
+  Record* record(std::uint32_t id);
+  bool has_moved(const Record& record) const;
+  void forget(Record* record, std::vector<geometry::Index3>* stale);
+  void append(const Key& key, Record* record);
+  void rebuild(const geometry::Index3& block);
+  void integrate(const geometry::Index3& block, const Key& key);
+  void enforce_limits();
+
+  SubmapCollectionConfig config_;
+  EvidenceMap evidence_;
+  std::map<Key, Record> records_;
+  std::map<std::uint32_t, Key> keys_;
+  std::unordered_map<geometry::Index3, std::vector<Key>, geometry::Index3Hash> by_block_;  ///< merged, oldest first
+  std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
+  std::size_t submap_bytes_ = 0;
+  std::uint64_t num_dropped_ = 0;
+};
+
+}  // namespace voxnav::submap

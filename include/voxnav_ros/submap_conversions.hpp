@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxnav/Handover.h"
+#include "voxnav/Submap.h"
+#include "voxnav/cloud/cloud_layout.hpp"
+#include "voxnav/geometry/pose.hpp"
+#include "voxnav/submap/submap_collection.hpp"
+
+namespace voxnav_ros {
+
+/// What a Handover message says besides its content; the submap itself is still missing.
+/// @throws std::invalid_argument when a pose is not valid or the pose lists differ in length
+voxnav::submap::SubmapEntry entry_of(const voxnav::Handover& msg);
+
+/// A finished submap as the optimiser gets it.
+voxnav::Submap to_msg(const voxnav::submap::SubmapEntry& entry, const std::string& odometry_frame);
+
+/// @throws std::invalid_argument when a pose or the data are not valid
+voxnav::submap::SubmapEntry from_msg(const voxnav::Submap& msg);
+
+/// Positions of all points, missing returns included (as they are).
+std::vector<voxnav::geometry::Vec3f> positions_of(const voxnav::cloud::RawCloudView& view);
+
+}  // namespace voxnav_ros

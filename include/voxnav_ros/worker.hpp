@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace voxnav_ros {
+
+/// One thread that runs tasks in the order they were pushed; at most `capacity` wait. Tasks must not throw.
+class Worker {
+ public:
+  explicit Worker(std::size_t capacity) : capacity_(capacity), thread_([this] { run(); }) {}
+  /// Runs nothing more; waits for the task in hand.
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  /// @return false when the queue is full; the task is then not kept
+  bool push(std::function<void()> task);
+  std::size_t size() const;
+
+ private:
+  void run();
+
+  std::size_t capacity_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> tasks_;
+  bool is_stopping_ = false;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace voxnav_ros

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "submap_collection.hpp"
+
+#include <pybind11/stl.h>
+
+#include <fstream>
+#include <limits>
+
+#include "arrays.hpp"
+#include "bind_config.hpp"
+
+namespace voxnav::bindings {
+namespace {
+
+using submap::ObstacleMap;
+using submap::Submap;
+using submap::SubmapCollection;
+using submap::SubmapCollectionConfig;
+using submap::SubmapEntry;
+
+void add(SubmapCollection& collection, std::uint32_t id, std::shared_ptr<Submap> submap, const py::array& T_W_S,
+         double stamp) {
+  SubmapEntry entry;
+  entry.id = id;
+  entry.T_W_S = pose_of(T_W_S, "T_W_S");
+  entry.T_O_S = entry.T_W_S;
+  entry.end_ns = base::from_seconds(stamp);
+  entry.submap = std::move(submap);
+  collection.add(std::move(entry));
+}
+
+py::dict poses(const SubmapCollection& collection) {
+  py::dict out;
+  for (const SubmapEntry* entry : collection.entries()) out[py::int_(entry->id)] = pose_array(entry->T_W_S);
+  return out;
+}
+
+void set_poses(SubmapCollection& collection, const py::dict& poses) {
+  for (const auto& item : poses) {
+    const auto id = item.first.cast<std::uint32_t>();
+    if (!collection.set_pose(id, pose_of(item.second.cast<py::array>(), "T_W_S")))
+      throw py::key_error(std::to_string(id));
+  }
+}
+
+py::array_t<double> distance(SubmapCollection& collection, const py::array& points_W, double max_distance_m) {
+  const float* p = data_of<float>(points_W, "points_W", {-1, 3});
+  std::vector<double> out(static_cast<std::size_t>(points_W.shape(0)), std::numeric_limits<double>::quiet_NaN());
+  {
+    py::gil_scoped_release release;
+    collection.update();
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const geometry::Vec3 point(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+      if (collection.evidence().state(point) == containers::State::kUnknown) continue;
+      out[i] = collection.evidence().distance_to_surface(point, max_distance_m).value_or(max_distance_m);
+    }
+  }
+  return array_from(std::move(out), 0);
+}
+
+py::array_t<std::int8_t> states(SubmapCollection& collection, const py::array& points_W) {
+  const float* p = data_of<float>(points_W, "points_W", {-1, 3});
+  py::array_t<std::int8_t> out(points_W.shape(0));
+  collection.update();
+  for (py::ssize_t i = 0; i < out.size(); ++i) {
+    out.mutable_data()[i] =
+        static_cast<std::int8_t>(collection.evidence().state({p[3 * i], p[3 * i + 1], p[3 * i + 2]}));
+  }
+  return out;
+}
+
+py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_distance_m) {
+  std::vector<geometry::Vec3f> out;
+  {
+    py::gil_scoped_release release;
+    const containers::StateGrid grid = collection.obstacles(safety_distance_m);
+    for (const geometry::Index3& index : grid.sorted_block_indices()) {
+      const containers::StateBlock* block = grid.find_block(index);
+      for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+        if (block->get(offset) != containers::State::kOccupied) continue;
+        out.push_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());
+      }
+    }
+  }
+  return rows_of(out);
+}
+
+py::tuple colored_mesh(const SubmapCollection& collection) {
+  const submap::Mesh mesh = submap::extract_mesh(collection);
+  std::vector<std::uint8_t> colors;
+  for (const submap::Color& color : mesh.colors) colors.insert(colors.end(), color.begin(), color.end());
+  const py::tuple geometry = mesh_tuple(mesh);
+  return py::make_tuple(geometry[0], geometry[1], array_from(std::move(colors), 3));
+}
+
+void save_mesh(const SubmapCollection& collection, const std::string& path) {
+  std::ofstream out(path, std::ios::binary);
+  const std::string bytes = submap::to_ply(submap::extract_mesh(collection));
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
+}
+
+py::object load(const std::string& directory, bool recover) {
+  std::vector<std::string> problems;
+  SubmapCollection collection = SubmapCollection::load(directory, recover ? &problems : nullptr);
+  py::object out = py::cast(std::move(collection));
+  return recover ? py::object(py::make_tuple(out, problems)) : out;
+}
+
+py::dict update_obstacles(ObstacleMap& obstacles, SubmapCollection& collection) {
+  containers::GridUpdate changes;
+  {
+    py::gil_scoped_release release;
+    obstacles.mark_changed(collection.update());
+    obstacles.update(collection.evidence(), std::numeric_limits<std::size_t>::max());
+    changes = obstacles.take_changes();
+  }
+  py::dict out;
+  out["block_indices"] = array_from(std::move(changes.block_indices), 3);
+  out["states"] = py::bytes(reinterpret_cast<const char*>(changes.states.data()), changes.states.size());
+  out["removed"] = array_from(std::move(changes.removed_block_indices), 3);
+  out["is_snapshot"] = false;
+  return out;
+}
+
+void bind_obstacles(py::module_& m) {
+  py::class_<ObstacleMap>(m, "ObstacleMap",
+                          "Voxels nearer to a surface than the safety distance, kept up to date block by block.")
+      .def(py::init<double, double>(), py::arg("resolution_m"), py::arg("safety_distance_m"))
+      .def("update", &update_obstacles, py::arg("collection"),
+           "Follows what changed in the collection since the last call; use one collection only.\n\n"
+           "Returns the changed blocks as keywords of StateGrid.apply_update().")
+      .def(
+          "grid", [](const ObstacleMap& o) { return o.grid(); }, "A copy of the whole as StateGrid, frame W.")
+      .def_property_readonly("memory_bytes", &ObstacleMap::memory_bytes);
+}
+
+void bind_queries(py::class_<SubmapCollection>& cls) {
+  cls.def(
+         "occupied_points", [](SubmapCollection& c) { return rows_of(c.occupied_points()); },
+         "(k, 3) float32 surface points that are still believed [m, frame W].")
+      .def("obstacles", &obstacle_centers, py::arg("safety_distance_m"),
+           "(k, 3) float32 centres of voxels nearer to a surface than the safety distance [m, frame W].")
+      .def("obstacle_grid", &SubmapCollection::obstacles, py::arg("safety_distance_m"),
+           py::call_guard<py::gil_scoped_release>(),
+           "The same as StateGrid: occupied = too near, free = known free beyond, else unknown.")
+      .def("distance", &distance, py::arg("points_W"), py::arg("max_distance_m") = 10.0,
+           "(n,) float64 distance [m] to the nearest believed surface point, NaN where W is unknown.")
+      .def("states", &states, py::arg("points_W"), "(n,) int8 states (0 unknown, 1 free, 2 occupied).")
+      .def("mesh", &colored_mesh, "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8), frame W.")
+      .def("save_mesh", &save_mesh, py::arg("path"), "Binary PLY, one colour per submap.");
+}
+
+}  // namespace
+
+void bind_submap_collection(py::module_& m) {
+  bind_config<SubmapCollectionConfig>(m, "SubmapCollectionConfig", "Parameters of SubmapCollection.");
+  py::class_<SubmapCollection> cls(m, "SubmapCollection",
+                                   "All submaps and what they say together; the newest well-observed evidence wins.");
+  cls.def(py::init<const SubmapCollectionConfig&>(), py::arg("config") = SubmapCollectionConfig{})
+      .def("add", &add, py::arg("id"), py::arg("submap"), py::arg("T_W_S"), py::arg("stamp") = 0.0,
+           "stamp: seconds; later ones are newer evidence, equal ones by id. An id that is there is replaced.")
+      .def("set_poses", &set_poses, py::arg("poses"), "{id: T_W_S}; raises KeyError on an unknown id.")
+      .def("poses", &poses, "{id: T_W_S}, oldest first.")
+      .def(
+          "submap",
+          [](const SubmapCollection& c, std::uint32_t id) {
+            const SubmapEntry* entry = c.find(id);
+            if (!entry) throw py::key_error(std::to_string(id));
+            return std::const_pointer_cast<Submap>(entry->submap);
+          },
+          py::arg("id"))
+      .def("remove", &SubmapCollection::remove, py::arg("id"))
+      .def("__len__", &SubmapCollection::size)
+      .def_property_readonly("memory_bytes", &SubmapCollection::memory_bytes)
+      .def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
+           "Versioned and checksummed; a crash during a save leaves the state before.")
+      .def_static("load", &load, py::arg("dir"), py::arg("recover") = false,
+                  "Raises with the reason when something is broken; recover=True returns (what is intact, problems).");
+  bind_queries(cls);
+  bind_obstacles(m);
+}
+
+}  // namespace voxnav::bindings

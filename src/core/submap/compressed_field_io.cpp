@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/submap/compressed_field.hpp"
+
+namespace voxnav::submap {
+
+using geometry::Index3;
+
+void CompressedField::write(base::ByteWriter* out) const {
+  out->put(band_);
+  out->put<std::uint64_t>(blocks_.size());
+  for (const Block& block : blocks_) {
+    out->put(block.index);
+    out->put(block.codes);
+  }
+  out->put<std::uint64_t>(states_.size());
+  out->put_raw(states_.data(), states_.size() * sizeof(CellStates));
+  out->put<std::uint64_t>(near_.size());
+  for (const NearCell& near : near_) {
+    out->put(near.states);
+    out->put(near.values);
+  }
+  out->put<std::uint64_t>(leaves_.size());
+  out->put_raw(leaves_.data(), leaves_.size() * sizeof(Leaf));
+}
+
+/// Gives each block its first records; they are used in order, each once.
+void CompressedField::place_records(const base::ByteReader& in) {
+  std::uint32_t next_states = 0;
+  std::uint32_t next_near = 0;
+  for (Block& block : blocks_) {
+    block.first_states = next_states;
+    block.first_near = next_near;
+    for (const std::uint8_t code : block.codes) {
+      if (code >= kEndCode) in.fail("has a cell of no kind");
+      if (code >= kFirstNear) {
+        if (code - kFirstNear != static_cast<int>(next_near - block.first_near)) in.fail("has cells out of order");
+        ++next_near;
+      } else if (code >= kFirstStates) {
+        if (code - kFirstStates != static_cast<int>(next_states - block.first_states))
+          in.fail("has cells out of order");
+        ++next_states;
+      }
+    }
+  }
+  if (next_states != states_.size() || next_near != near_.size()) in.fail("has cells that do not match its blocks");
+}
+
+CompressedField CompressedField::read(base::ByteReader* in) {
+  CompressedField field;
+  field.band_ = in->get<double>();
+  if (!(field.band_ > 0.0 && field.band_ < 1e3)) in->fail("has no usable distance band");
+  field.blocks_.resize(in->get_count(sizeof(Index3) + kCells));
+  for (Block& block : field.blocks_) {
+    block.index = in->get<Index3>();
+    in->get_raw(block.codes.data(), block.codes.size());
+  }
+  field.states_.resize(in->get_count(sizeof(CellStates)));
+  in->get_raw(field.states_.data(), field.states_.size() * sizeof(CellStates));
+  field.near_.resize(in->get_count(sizeof(CellStates) + kCells));
+  for (NearCell& near : field.near_) {
+    near.states = in->get<CellStates>();
+    in->get_raw(near.values.data(), near.values.size());
+  }
+  field.leaves_.resize(in->get_count(sizeof(Leaf)));
+  in->get_raw(field.leaves_.data(), field.leaves_.size() * sizeof(Leaf));
+  field.place_records(*in);
+  field.check(*in);
+  field.link();
+  return field;
+}
+
+void CompressedField::check(const base::ByteReader& in) const {
+  constexpr std::int32_t kLimit = 1 << 26;
+  std::size_t num_occupied = 0;
+  for (const CellStates& states : states_) {
+    if (((states[0] | states[1]) & 0xAAAAAAAAAAAAAAAAull) != 0) in.fail("has an occupied voxel without surface");
+  }
+  for (const NearCell& near : near_) {
+    for (const std::uint64_t word : near.states) {
+      if (word & (word >> 1) & 0x5555555555555555ull) in.fail("holds a voxel state that does not exist");
+    }
+    num_occupied += static_cast<std::size_t>(count_occupied(near.states));
+  }
+  if (num_occupied != leaves_.size()) in.fail("has leaves that do not match its states");
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Index3& b = blocks_[i].index;
+    for (const std::int32_t c : {b.x, b.y, b.z}) {
+      if (c < -kLimit || c >= kLimit) in.fail("has a block index out of range");
+    }
+    if (i > 0 && !(blocks_[i - 1].index < b)) in.fail("has unsorted blocks");
+  }
+}
+
+}  // namespace voxnav::submap

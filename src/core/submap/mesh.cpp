@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/submap/mesh.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+namespace voxnav::submap {
+namespace {
+
+using geometry::Index3;
+using geometry::Vec3f;
+
+/// Corners of each face of a cube, counter-clockwise seen from outside; corner bits are x, y, z.
+constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+
+/// An edge of the cube: 3 * lower corner + axis.
+int edge_of(int a, int b) {
+  const int axis = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2;
+  return 3 * (a & b) + axis;
+}
+
+constexpr int kNoEdge = -1;
+using NextEdge = std::array<int, 24>;
+
+/// For every crossed edge the one that follows it around its polygon.
+NextEdge trace_faces(const std::array<bool, 8>& is_inside) {
+  NextEdge next;
+  next.fill(kNoEdge);
+  for (const auto& face : kFaces) {
+    int into[4];  // edges crossed on the way in, and their place around the face
+    int out_of[4];
+    for (int i = 0; i < 4; ++i) {
+      const int a = face[i];
+      const int b = face[(i + 1) % 4];
+      out_of[i] = is_inside[a] && !is_inside[b] ? edge_of(a, b) : kNoEdge;
+      into[i] = !is_inside[a] && is_inside[b] ? edge_of(a, b) : kNoEdge;
+    }
+    for (int i = 0; i < 4; ++i) {
+      if (out_of[i] == kNoEdge) continue;
+      // The crossing before it: the line cuts off the inside corners between both.
+      for (int back = 1; back < 4; ++back) {
+        const int edge = into[(i + 4 - back) % 4];
+        if (edge == kNoEdge) continue;
+        next[edge] = out_of[i];
+        break;
+      }
+    }
+  }
+  return next;
+}
+
+struct VertexKey {
+  Index3 voxel;
+  int axis;
+  friend bool operator==(const VertexKey& a, const VertexKey& b) { return a.voxel == b.voxel && a.axis == b.axis; }
+};
+struct VertexKeyHash {
+  std::size_t operator()(const VertexKey& k) const {
+    return geometry::Index3Hash{}(k.voxel) * 3 + static_cast<std::size_t>(k.axis);
+  }
+};
+
+class Extractor {
+ public:
+  Extractor(const Submap& submap, Mesh* mesh) : submap_(submap), mesh_(mesh) {}
+
+  void add_cube(const Index3& lower, const std::array<float, 8>& values) {
+    std::array<bool, 8> is_inside;
+    int num_inside = 0;
+    for (int i = 0; i < 8; ++i) num_inside += is_inside[i] = values[i] < 0.f;
+    if (num_inside == 0 || num_inside == 8) return;
+    NextEdge next = trace_faces(is_inside);
+    for (int start = 0; start < 24; ++start) {
+      if (next[start] == kNoEdge) continue;
+      polygon_.clear();
+      for (int edge = start; next[edge] != kNoEdge;) {
+        polygon_.push_back(vertex(lower, edge, values));
+        const int following = next[edge];
+        next[edge] = kNoEdge;
+        edge = following;
+      }
+      for (std::size_t i = 2; i < polygon_.size(); ++i) {
+        mesh_->triangles.push_back({polygon_[0], polygon_[i - 1], polygon_[i]});
+      }
+    }
+  }
+
+ private:
+  std::uint32_t vertex(const Index3& lower, int edge, const std::array<float, 8>& values) {
+    const int corner = edge / 3;
+    const int axis = edge % 3;
+    const Index3 voxel = lower + Index3{corner & 1, (corner >> 1) & 1, corner >> 2};
+    const auto inserted = vertices_.try_emplace({voxel, axis}, static_cast<std::uint32_t>(mesh_->vertices.size()));
+    if (inserted.second) {
+      const float a = values[static_cast<std::size_t>(corner)];
+      const float b = values[static_cast<std::size_t>(corner | (1 << axis))];
+      geometry::Vec3 p(voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5);
+      p[axis] += a / (a - b);
+      mesh_->vertices.push_back((submap_.T_S_G() * (p * submap_.resolution_m())).cast<float>());
+    }
+    return inserted.first->second;
+  }
+
+  const Submap& submap_;
+  Mesh* mesh_;
+  std::vector<std::uint32_t> polygon_;
+  std::unordered_map<VertexKey, std::uint32_t, VertexKeyHash> vertices_;
+};
+
+}  // namespace
+
+void Mesh::append(const Mesh& other, const geometry::Pose& T_A_B, const Color& color) {
+  const auto base = static_cast<std::uint32_t>(vertices.size());
+  colors.resize(vertices.size(), Color{200, 200, 200});
+  for (const Vec3f& p : other.vertices) {
+    vertices.push_back((T_A_B * p.cast<double>()).cast<float>());
+    colors.push_back(color);
+  }
+  for (const auto& t : other.triangles) triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+}
+
+Mesh extract_mesh(const Submap& submap, std::size_t max_triangles) {
+  Mesh mesh;
+  Extractor extractor(submap, &mesh);
+  std::array<float, 8> values;
+  submap.field().for_each_value([&](const Index3& voxel) {
+    if (mesh.triangles.size() < max_triangles && submap.field().corners(voxel, &values))
+      extractor.add_cube(voxel, values);
+  });
+  return mesh;
+}
+
+Mesh extract_mesh(const SubmapCollection& collection, std::size_t max_triangles) {
+  Mesh out;
+  for (const SubmapEntry* entry : collection.entries()) {
+    if (out.triangles.size() >= max_triangles) break;
+    out.append(extract_mesh(*entry->submap, max_triangles - out.triangles.size()), entry->T_W_S, color_of(entry->id));
+  }
+  return out;
+}
+
+Color color_of(std::uint32_t submap_id) {
+  // Golden-ratio steps around the hue circle.
+  const double hue = std::fmod(0.61803398875 * submap_id, 1.0) * 6.0;
+  Color out;
+  for (int k = 0; k < 3; ++k) {
+    const double distance = std::abs(std::fmod(hue + 6.0 - 2.0 * k, 6.0) - 3.0);
+    out[static_cast<std::size_t>(k)] =
+        static_cast<std::uint8_t>(255.0 * (0.25 + 0.7 * std::min(1.0, std::max(0.0, distance - 1.0))));
+  }
+  return out;
+}
+
+std::string to_ply(const Mesh& mesh) {
+  const bool has_colors = mesh.colors.size() == mesh.vertices.size() && !mesh.colors.empty();
+  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (has_colors) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  out += "element face " + std::to_string(mesh.triangles.size()) +
+         "\nproperty list uchar uint vertex_indices\nend_header\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 3 * sizeof(float));
+    if (has_colors) out.append(reinterpret_cast<const char*>(mesh.colors[i].data()), 3);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    out.push_back(3);
+    out.append(reinterpret_cast<const char*>(triangle.data()), 3 * sizeof(std::uint32_t));
+  }
+  return out;
+}
+
+}  // namespace voxnav::submap

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/submap/submap_collection.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+namespace voxnav::submap {
+namespace {
+
+using geometry::Index3;
+using geometry::Pose;
+using geometry::Vec3;
+
+void sort_unique(std::vector<Index3>* blocks) {
+  std::sort(blocks->begin(), blocks->end());
+  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
+}
+
+/// How far the corners of a box move between two poses.
+double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
+  if (box.empty()) return 0.0;
+  double largest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p((corner & 1) ? box.max.x() : box.min.x(), (corner & 2) ? box.max.y() : box.min.y(),
+                 (corner & 4) ? box.max.z() : box.min.z());
+    largest = std::max(largest, (a * p - b * p).norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
+    : config_(base::checked(config)), evidence_(config.resolution_m, config.clearing_distance_m) {}
+
+void SubmapCollection::add(SubmapEntry entry) {
+  if (!entry.submap) throw std::invalid_argument("a submap entry needs a submap");
+  if (!geometry::is_valid(entry.T_W_S)) throw std::invalid_argument("T_W_S must be a finite rigid transform");
+  remove(entry.id);
+  const Key key(entry.end_ns, entry.id);
+  submap_bytes_ += entry.submap->memory_bytes();
+  keys_[entry.id] = key;
+  records_[key].entry = std::move(entry);
+  enforce_limits();
+}
+
+void SubmapCollection::enforce_limits() {
+  const double limit = config_.max_memory_mb * 1e6;
+  while (records_.size() > 1 && (records_.size() > static_cast<std::size_t>(config_.max_submaps) ||
+                                 static_cast<double>(submap_bytes_) > limit)) {
+    remove(records_.begin()->second.entry.id);
+    ++num_dropped_;
+  }
+}
+
+bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S) {
+  if (!geometry::is_valid(T_W_S)) throw std::invalid_argument("T_W_S must be a finite rigid transform");
+  Record* found = record(id);
+  if (found) found->entry.T_W_S = T_W_S;
+  return found != nullptr;
+}
+
+bool SubmapCollection::remove(std::uint32_t id) {
+  Record* found = record(id);
+  if (!found) return false;
+  forget(found, &stale_);
+  submap_bytes_ -= found->entry.submap->memory_bytes();
+  records_.erase(keys_[id]);
+  keys_.erase(id);
+  return true;
+}
+
+void SubmapCollection::clear() {
+  while (!records_.empty()) remove(records_.begin()->second.entry.id);
+}
+
+SubmapCollection::Record* SubmapCollection::record(std::uint32_t id) {
+  const auto key = keys_.find(id);
+  return key == keys_.end() ? nullptr : &records_.at(key->second);
+}
+
+const SubmapEntry* SubmapCollection::find(std::uint32_t id) const {
+  const auto key = keys_.find(id);
+  return key == keys_.end() ? nullptr : &records_.at(key->second).entry;
+}
+
+std::vector<const SubmapEntry*> SubmapCollection::entries() const {
+  std::vector<const SubmapEntry*> out;
+  for (const auto& item : records_) out.push_back(&item.second.entry);
+  return out;
+}
+
+bool SubmapCollection::has_moved(const Record& r) const {
+  return largest_move(r.entry.submap->known_bounds(), r.entry.T_W_S, r.merged_T_W_S) > config_.pose_tolerance_m;
+}
+
+/// Takes a submap out of the merge; its blocks have to be rebuilt.
+void SubmapCollection::forget(Record* r, std::vector<Index3>* stale) {
+  if (!r->is_merged) return;
+  const Key key(r->entry.end_ns, r->entry.id);
+  for (const Index3& block : r->blocks) {
+    const auto it = by_block_.find(block);
+    it->second.erase(std::remove(it->second.begin(), it->second.end(), key), it->second.end());
+    if (it->second.empty()) by_block_.erase(it);
+  }
+  stale->insert(stale->end(), r->blocks.begin(), r->blocks.end());
+  r->is_merged = false;
+}
+
+void SubmapCollection::append(const Key& key, Record* r) {
+  r->merged_T_W_S = r->entry.T_W_S;
+  r->is_merged = true;
+  r->blocks = footprint(*r->entry.submap, r->entry.T_W_S, config_.resolution_m);
+  for (const Index3& block : r->blocks) {
+    std::vector<Key>& keys = by_block_[block];
+    keys.insert(std::lower_bound(keys.begin(), keys.end(), key), key);
+  }
+}
+
+void SubmapCollection::rebuild(const Index3& block) {
+  evidence_.clear_block(block);
+  const auto it = by_block_.find(block);
+  if (it == by_block_.end()) return;
+  for (const Key& key : it->second) integrate(block, key);
+}
+
+void SubmapCollection::integrate(const Index3& block, const Key& key) {
+  const Record& r = records_.at(key);
+  evidence_.integrate(block, *r.entry.submap, r.entry.id, r.merged_T_W_S);
+}
+
+std::vector<Index3> SubmapCollection::update() {
+  std::vector<Index3> stale = std::move(stale_);
+  stale_.clear();
+  for (auto& item : records_) {
+    if (item.second.is_merged && has_moved(item.second)) forget(&item.second, &stale);
+  }
+  std::vector<Index3> fresh;  // blocks to which submaps newer than all that is there are added
+  std::set<Key> added;
+  for (auto& [key, r] : records_) {
+    if (r.is_merged) continue;
+    append(key, &r);
+    added.insert(key);
+    for (const Index3& block : r.blocks) (by_block_[block].back() == key ? fresh : stale).push_back(block);
+  }
+  sort_unique(&stale);
+  sort_unique(&fresh);
+  std::vector<Index3> changed = stale;
+  for (const Index3& block : stale) rebuild(block);
+  for (const Index3& block : fresh) {
+    if (std::binary_search(stale.begin(), stale.end(), block)) continue;
+    for (const Key& key : by_block_[block]) {
+      if (added.count(key)) integrate(block, key);
+    }
+    changed.push_back(block);
+  }
+  sort_unique(&changed);
+  return changed;
+}
+
+std::vector<geometry::Vec3f> SubmapCollection::occupied_points() {
+  update();
+  std::vector<Index3> order;
+  for (const auto& item : evidence_.blocks()) order.push_back(item.first);
+  std::sort(order.begin(), order.end());
+  std::vector<geometry::Vec3f> out;
+  for (const Index3& index : order) {
+    for (const EvidenceLeaf& leaf : evidence_.find(index)->leaves) {
+      out.push_back(evidence_.point_of(index, leaf).cast<float>());
+    }
+  }
+  return out;
+}
+
+containers::StateGrid SubmapCollection::obstacles(double safety_distance_m) {
+  update();
+  ObstacleMap obstacles(config_.resolution_m, safety_distance_m);
+  std::vector<Index3> all;
+  for (const auto& item : evidence_.blocks()) all.push_back(item.first);
+  obstacles.mark_changed(all);
+  obstacles.update(evidence_, std::numeric_limits<std::size_t>::max());
+  return obstacles.grid();
+}
+
+containers::State SubmapCollection::state(const Vec3& p_W) {
+  update();
+  return evidence_.state(p_W);
+}
+
+std::optional<double> SubmapCollection::distance(const Vec3& p_W, double max_distance_m) {
+  update();
+  if (evidence_.state(p_W) == containers::State::kUnknown) return std::nullopt;
+  return evidence_.distance_to_surface(p_W, max_distance_m).value_or(max_distance_m);
+}
+
+std::size_t SubmapCollection::memory_bytes() const {
+  std::size_t bytes = sizeof(*this) + submap_bytes_ + evidence_.memory_bytes();
+  for (const auto& item : records_) {
+    bytes += sizeof(item) + item.second.blocks.capacity() * sizeof(Index3) +
+             item.second.entry.T_S_B.capacity() * sizeof(geometry::StampedPose);
+  }
+  for (const auto& item : by_block_) bytes += sizeof(item) + item.second.capacity() * sizeof(Key);
+  return bytes;
+}
+
+}  // namespace voxnav::submap

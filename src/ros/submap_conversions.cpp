@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_ros/submap_conversions.hpp"
+
+#include <stdexcept>
+
+#include "voxnav_ros/conversions.hpp"
+
+namespace voxnav_ros {
+namespace {
+
+using voxnav::submap::SubmapEntry;
+
+voxnav::geometry::Pose valid_pose(const geometry_msgs::Pose& msg, const char* name) {
+  const auto pose = from_msg(msg);
+  if (!pose) throw std::invalid_argument(std::string(name) + " is not a valid pose");
+  return *pose;
+}
+
+/// The fields that Handover and Submap share.
+template <class Msg>
+SubmapEntry common_part(const Msg& msg) {
+  SubmapEntry entry;
+  entry.id = msg.submap_id;
+  entry.start_ns = to_ns(msg.start);
+  entry.end_ns = to_ns(msg.header.stamp);
+  entry.T_O_S = valid_pose(msg.T_O_S, "T_O_S");
+  entry.T_W_S = entry.T_O_S;
+  if (msg.pose_stamps.size() != msg.T_S_B.size()) throw std::invalid_argument("pose_stamps and T_S_B differ in length");
+  for (std::size_t i = 0; i < msg.T_S_B.size(); ++i) {
+    entry.T_S_B.push_back({to_ns(msg.pose_stamps[i]), valid_pose(msg.T_S_B[i], "T_S_B")});
+  }
+  return entry;
+}
+
+}  // namespace
+
+SubmapEntry entry_of(const voxnav::Handover& msg) { return common_part(msg); }
+
+voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_frame) {
+  voxnav::Submap msg;
+  msg.header.frame_id = odometry_frame;
+  msg.header.stamp = to_ros(entry.end_ns);
+  msg.submap_id = entry.id;
+  msg.start = to_ros(entry.start_ns);
+  msg.T_O_S = to_msg(entry.T_O_S);
+  for (const voxnav::geometry::StampedPose& pose : entry.T_S_B) {
+    msg.pose_stamps.push_back(to_ros(pose.stamp_ns));
+    msg.T_S_B.push_back(to_msg(pose.pose));
+  }
+  const std::string bytes = entry.submap->to_bytes();
+  msg.data.assign(bytes.begin(), bytes.end());
+  return msg;
+}
+
+SubmapEntry from_msg(const voxnav::Submap& msg) {
+  SubmapEntry entry = common_part(msg);
+  entry.submap = voxnav::submap::Submap::from_bytes(std::string(msg.data.begin(), msg.data.end()));
+  return entry;
+}
+
+std::vector<voxnav::geometry::Vec3f> positions_of(const voxnav::cloud::RawCloudView& view) {
+  const voxnav::cloud::CloudAccess& access = view.access();
+  const auto read = [](const std::uint8_t* point, const voxnav::cloud::FieldAccess& field) {
+    return static_cast<float>(voxnav::cloud::read_number(point, field));
+  };
+  std::vector<voxnav::geometry::Vec3f> out;
+  out.reserve(view.num_points());
+  for (std::uint32_t row = 0; row < view.height(); ++row) {
+    const std::uint8_t* point = view.row(row);
+    for (std::uint32_t column = 0; column < view.width(); ++column, point += view.point_step()) {
+      out.emplace_back(read(point, access.x), read(point, access.y), read(point, access.z));
+    }
+  }
+  return out;
+}
+
+}  // namespace voxnav_ros

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav_ros {
+
+/// Section `node` of voxnav/SubmapIntegrator.
+struct SubmapIntegratorConfig {
+  std::string map_frame = "map";
+  std::string odometry_frame = "odom";
+  std::string filling = "occupancy";
+  double safety_distance_m = 1.5;
+  double snapshot_period_s = 20.0;
+  int max_queue = 32;
+  int max_open_handovers = 4;
+  double projective_period_s = 0.0;
+  double tf_timeout_s = 0.3;
+  int max_markers = 200000;
+  int max_mesh_triangles = 200000;
+  int max_cloud_points = 500000;
+  double slice_offset_m = 0.0;
+  double slice_max_distance_m = 6.0;
+  std::string autosave_dir = "";
+
+  template <class V>
+  static void fields(V&& v) {
+    namespace base = voxnav::base;
+    using C = SubmapIntegratorConfig;
+    v("map_frame", &C::map_frame, base::any(), "", "frame W, until the optimiser names it");
+    v("odometry_frame", &C::odometry_frame, base::any(), "", "frame O, until a handover names it");
+    v("filling", &C::filling, base::one_of({"occupancy", "projective"}), "", "what submaps are made of");
+    v("safety_distance_m", &C::safety_distance_m, base::in(0.0, 10.0), "m", "nearer to a surface is an obstacle");
+    v("snapshot_period_s", &C::snapshot_period_s, base::in(1.0, 3600.0), "s",
+      "obstacles are published as a whole this often (wall time)");
+    v("max_queue", &C::max_queue, base::in(2, 1000), "",
+      "inputs waiting for the worker; newer ones are refused beyond");
+    v("max_open_handovers", &C::max_open_handovers, base::in(1, 100), "",
+      "submaps with early content; the oldest is dropped beyond");
+    v("projective_period_s", &C::projective_period_s, base::in(0.0, 3600.0), "s",
+      "projective filling closes a submap this often; 0 = with the handovers of the local mapper");
+    v("tf_timeout_s", &C::tf_timeout_s, base::in(0.0, 5.0), "s",
+      "how long a cloud waits for its pose (projective filling)");
+    v("max_markers", &C::max_markers, base::in(0, 10000000), "", "cubes per occupancy message");
+    v("max_mesh_triangles", &C::max_mesh_triangles, base::in(0, 10000000), "", "triangles per submap mesh");
+    v("max_cloud_points", &C::max_cloud_points, base::in(0, 10000000), "", "points per obstacle cloud or slice");
+    v("slice_offset_m", &C::slice_offset_m, base::in(-100.0, 100.0), "m",
+      "height of the slice above the end of the newest submap");
+    v("slice_max_distance_m", &C::slice_max_distance_m, base::in(0.5, 50.0), "m",
+      "distances in the slice saturate here");
+    v("autosave_dir", &C::autosave_dir, base::any(), "", "where the map is saved after every submap; empty = nowhere");
+  }
+};
+
+}  // namespace voxnav_ros

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "submap_integrator_nodelet.hpp"
+
+#include <pluginlib/class_list_macros.hpp>
+
+#include "voxnav/occupancy/map_content.hpp"
+#include "voxnav_ros/cloud_conversions.hpp"
+#include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/submap_conversions.hpp"
+
+namespace voxnav_ros {
+namespace {
+
+constexpr double kLogPeriod_s = 5.0;
+
+}  // namespace
+
+void SubmapIntegratorNodelet::initialize() {
+  ParamLoader params(getPrivateNodeHandle());
+  params.section("node", &config_);
+  params.section("submap", &submap_config_);
+  params.section("projective", &projective_config_);
+  params.section("collection", &collection_config_);
+  params.finish();
+  map_frame_ = config_.map_frame;
+  odometry_frame_ = config_.odometry_frame;
+  is_projective_ = config_.filling == "projective";
+  if (is_projective_) integrator_ = std::make_unique<submap::ProjectiveIntegrator>(projective_config_);
+  map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
+  worker_ = std::make_unique<Worker>(static_cast<std::size_t>(config_.max_queue));
+  advertise();
+  ros::NodeHandle& nh = getMTPrivateNodeHandle();
+  if (is_projective_) {
+    tf_ = std::make_unique<tf2_ros::Buffer>();
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_);
+    points_ =
+        nh.subscribe("points_in", 10, &SubmapIntegratorNodelet::on_points, this, ros::TransportHints().tcpNoDelay());
+  }
+  snapshot_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.snapshot_period_s),
+                                         &SubmapIntegratorNodelet::on_snapshot_time, this);
+  handover_ =
+      nh.subscribe("handover_in", 20, &SubmapIntegratorNodelet::on_handover, this, ros::TransportHints().tcpNoDelay());
+  poses_ =
+      nh.subscribe("submap_poses_in", 5, &SubmapIntegratorNodelet::on_poses, this, ros::TransportHints().tcpNoDelay());
+}
+
+void SubmapIntegratorNodelet::advertise() {
+  ros::NodeHandle& nh = getMTPrivateNodeHandle();
+  submap_ = nh.advertise<voxnav::Submap>("submap_out", 20);
+  obstacles_ = nh.advertise<voxnav::GridUpdate>("obstacles_out", 20);
+  pictures_.advertise(&nh);
+  get_obstacles_ = nh.advertiseService("get_obstacles_in", &SubmapIntegratorNodelet::on_get_obstacles, this);
+  get_submaps_ = nh.advertiseService("get_submaps_in", &SubmapIntegratorNodelet::on_get_submaps, this);
+  save_ = nh.advertiseService("save_in", &SubmapIntegratorNodelet::on_save, this);
+  load_ = nh.advertiseService("load_in", &SubmapIntegratorNodelet::on_load, this);
+}
+
+/// Runs a task on the worker; whatever it throws ends as an error in diagnostics.
+void SubmapIntegratorNodelet::enqueue(const char* what, std::function<void()> task) {
+  const std::string name = what;
+  const bool is_taken = worker_->push([this, name, task = std::move(task)] {
+    try {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      task();
+    } catch (const std::exception& error) {
+      refuse(name, error.what());
+    }
+    diagnostics().set_counter("queue", static_cast<double>(worker_->size()));
+  });
+  if (!is_taken) refuse(name, "the worker is behind and its queue is full");
+}
+
+void SubmapIntegratorNodelet::refuse(const std::string& what, const std::string& reason) {
+  diagnostics().add_dropped(what);
+  diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, what + " refused: " + reason);
+  NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << what << " refused: " << reason);
+}
+
+void SubmapIntegratorNodelet::on_handover(const voxnav::HandoverConstPtr& msg) {
+  enqueue("handover", [this, msg] {
+    if (!msg->header.frame_id.empty()) odometry_frame_ = msg->header.frame_id;
+    if (is_projective_) {
+      if (msg->is_final && config_.projective_period_s <= 0.0) close_projective(entry_of(*msg));
+    } else {
+      take_handover(*msg);
+    }
+    diagnostics().add_latency("handover", msg->header.stamp);
+    publish_progress(msg->header.stamp);
+  });
+}
+
+void SubmapIntegratorNodelet::take_handover(const voxnav::Handover& msg) {
+  const std::string bytes(msg.content.begin(), msg.content.end());
+  voxnav::occupancy::MapContent content = voxnav::occupancy::MapContent::from_bytes(bytes);
+  if (!msg.is_final) {
+    pending_[msg.submap_id].merge(content);
+    if (pending_.size() > static_cast<std::size_t>(config_.max_open_handovers)) {
+      pending_.erase(pending_.begin());
+      diagnostics().add_dropped("early content");
+    }
+    return;
+  }
+  const auto early = pending_.find(msg.submap_id);
+  if (early != pending_.end()) {
+    early->second.merge(content);
+    content = std::move(early->second);
+    pending_.erase(early);
+  }
+  submap::SubmapEntry entry = entry_of(msg);
+  {
+    const auto timer = diagnostics().time("finish");
+    entry.submap = submap::Submap::from_content(content, entry.T_O_S.inverse(Eigen::Isometry), submap_config_);
+  }
+  add(std::move(entry));
+}
+
+void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
+  entry.T_W_S = T_W_O_ * entry.T_O_S;
+  submap_.publish(to_msg(entry, odometry_frame_));
+  newest_id_ = entry.id;
+  const ros::Time stamp = to_ros(entry.end_ns);
+  map_->collection().add(std::move(entry));
+  refresh(stamp, {newest_id_});
+  if (!config_.autosave_dir.empty()) map_->collection().save(config_.autosave_dir);
+}
+
+/// After a change: obstacles first, as people fly by them, then pictures.
+void SubmapIntegratorNodelet::refresh(const ros::Time& stamp, const std::vector<std::uint32_t>& changed_ids) {
+  last_stamp_ = std::max(last_stamp_, stamp);
+  {
+    const auto timer = diagnostics().time("obstacles");
+    map_->update();
+  }
+  publish_obstacles(map_->take_changes());
+  {
+    const auto timer = diagnostics().time("pictures");
+    pictures_.publish(*map_, config_, header(), changed_ids);
+  }
+  const submap::SubmapCollection& collection = map_->collection();
+  diagnostics().set_counter("submaps", static_cast<double>(collection.size()));
+  diagnostics().set_counter("submaps_dropped", static_cast<double>(collection.num_dropped()));
+  diagnostics().set_counter("memory_mb", static_cast<double>(map_->memory_bytes()) * 1e-6);
+  diagnostics().set_counter("obstacle_blocks", static_cast<double>(map_->obstacles().grid().blocks().size()));
+  if (collection.num_dropped() > 0) {
+    diagnostics().set_level(voxnav::NodeDiagnostics::WARN,
+                            "the map is full: the oldest submaps are dropped (collection/max_*)");
+  } else {
+    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+  }
+}
+
+std_msgs::Header SubmapIntegratorNodelet::header() const {
+  std_msgs::Header out;
+  out.frame_id = map_frame_;
+  out.stamp = last_stamp_;
+  return out;
+}
+
+voxnav::GridUpdate SubmapIntegratorNodelet::obstacle_msg(voxnav::containers::GridUpdate update,
+                                                         std::uint32_t sequence) const {
+  return to_msg(std::move(update), {map_frame_, to_ns(last_stamp_), sequence, collection_config_.resolution_m});
+}
+
+void SubmapIntegratorNodelet::publish_obstacles(voxnav::containers::GridUpdate update) {
+  if (!update.is_snapshot && update.block_indices.empty() && update.removed_block_indices.empty()) return;
+  obstacles_.publish(obstacle_msg(std::move(update), ++sequence_));
+}
+
+void SubmapIntegratorNodelet::on_snapshot_time(const ros::SteadyTimerEvent&) {
+  enqueue("snapshot", [this] { publish_obstacles(map_->obstacles().snapshot()); });
+}
+
+void SubmapIntegratorNodelet::on_poses(const voxnav::SubmapPosesConstPtr& msg) {
+  enqueue("submap poses", [this, msg] { take_poses(*msg); });
+}
+
+void SubmapIntegratorNodelet::take_poses(const voxnav::SubmapPoses& msg) {
+  if (msg.submap_ids.size() != msg.T_W_S.size()) throw std::invalid_argument("submap_ids and T_W_S differ in length");
+  const auto T_W_O = from_msg(msg.T_W_O);
+  if (!T_W_O) throw std::invalid_argument("T_W_O is not a valid pose");
+  std::vector<voxnav::geometry::Pose> poses;
+  for (const geometry_msgs::Pose& pose : msg.T_W_S) {
+    const auto T_W_S = from_msg(pose);
+    if (!T_W_S) throw std::invalid_argument("T_W_S is not a valid pose");
+    poses.push_back(*T_W_S);
+  }
+  if (!msg.header.frame_id.empty()) map_frame_ = msg.header.frame_id;
+  T_W_O_ = *T_W_O;
+  std::vector<std::uint32_t> known;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (map_->collection().set_pose(msg.submap_ids[i], poses[i])) known.push_back(msg.submap_ids[i]);
+  }
+  diagnostics().set_counter("graph_revision", msg.revision);
+  refresh(msg.header.stamp, known);
+}
+
+void SubmapIntegratorNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
+  enqueue("cloud", [this, msg] { integrate(*msg); });
+}
+
+void SubmapIntegratorNodelet::integrate(const sensor_msgs::PointCloud2& msg) {
+  const auto transform =
+      tf_->lookupTransform(odometry_frame_, msg.header.frame_id, msg.header.stamp, ros::Duration(config_.tf_timeout_s));
+  const auto T_O_L = from_msg(transform.transform);
+  if (!T_O_L) throw std::invalid_argument("tf gave no valid pose");
+  const voxnav::cloud::RawCloudView view = view_of(msg);
+  std::vector<voxnav::geometry::Vec3f> points = positions_of(view);
+  {
+    const auto timer = diagnostics().time("integrate");
+    integrator_->integrate(points, *T_O_L);
+  }
+  const voxnav::base::StampNs stamp_ns = to_ns(msg.header.stamp);
+  if (open_.T_S_B.empty()) {
+    open_.start_ns = stamp_ns;
+    open_.T_O_S = voxnav::geometry::gravity_aligned(*T_O_L);
+  }
+  constexpr std::size_t kMaxPoses = 10000;
+  if (open_.T_S_B.size() < kMaxPoses) open_.T_S_B.push_back({stamp_ns, open_.T_O_S.inverse(Eigen::Isometry) * *T_O_L});
+  open_.end_ns = stamp_ns;
+  const double age_s = voxnav::base::to_seconds(stamp_ns - open_.start_ns);
+  if (config_.projective_period_s > 0.0 && (age_s >= config_.projective_period_s || age_s < 0.0))
+    close_projective(open_);
+  diagnostics().add_latency("cloud", msg.header.stamp);
+  publish_progress(msg.header.stamp);
+}
+
+void SubmapIntegratorNodelet::close_projective(submap::SubmapEntry entry) {
+  {
+    const auto timer = diagnostics().time("finish");
+    entry.submap = integrator_->finish(submap_config_, entry.T_O_S.inverse(Eigen::Isometry));
+  }
+  const std::uint32_t next_id = entry.id + 1;
+  open_ = {};
+  open_.id = next_id;
+  add(std::move(entry));
+}
+
+bool SubmapIntegratorNodelet::on_get_obstacles(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  response.success = true;
+  // The sequence of the last message: the next change follows it.
+  response.grid = obstacle_msg(map_->obstacles().snapshot(), sequence_);
+  return true;
+}
+
+bool SubmapIntegratorNodelet::on_get_submaps(voxnav::GetSubmaps::Request&, voxnav::GetSubmaps::Response& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const submap::SubmapEntry* entry : map_->collection().entries()) {
+    response.submaps.push_back(to_msg(*entry, odometry_frame_));
+  }
+  response.success = true;
+  return true;
+}
+
+bool SubmapIntegratorNodelet::on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
+  try {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    map_->collection().save(request.value);
+    response.success = true;
+    response.message = std::to_string(map_->collection().size()) + " submaps saved to " + request.value;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
+
+bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
+  try {
+    submap::SubmapCollection loaded = submap::SubmapCollection::load(request.value);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    map_->replace(std::move(loaded));
+    response.success = true;
+    response.message = std::to_string(map_->collection().size()) + " submaps loaded from " + request.value;
+    enqueue("loaded map", [this] {
+      std::vector<std::uint32_t> ids;
+      for (const submap::SubmapEntry* entry : map_->collection().entries()) ids.push_back(entry->id);
+      refresh(last_stamp_, ids);
+      publish_obstacles(map_->obstacles().snapshot());
+    });
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace voxnav_ros
+
+PLUGINLIB_EXPORT_CLASS(voxnav_ros::SubmapIntegratorNodelet, nodelet::Nodelet)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+import voxnav
+
+VOXEL = 0.4
+
+
+def scene(with_box=True):
+    """Ground seen from above and a box on it; (states, origin)."""
+    states = np.ones((40, 40, 16), np.int8)
+    states[:, :, 0] = 2
+    if with_box:
+        states[15:20, 15:20, 1:6] = 2
+    return states, (-8.0, -8.0, 0.0)
+
+
+def pose(x=0.0, y=0.0, z=0.0, yaw=0.0):
+    T = np.eye(4)
+    T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    T[:3, 3] = x, y, z
+    return T
+
+
+def submap(with_box=True, T_S_G=None, **config):
+    states, origin = scene(with_box)
+    content = voxnav.map_content_from_array(states, origin, VOXEL)
+    return voxnav.Submap.from_content(content, np.eye(4) if T_S_G is None else T_S_G, voxnav.SubmapConfig(**config))
+
+
+def test_distance_of_free_voxels_equals_brute_force():
+    states, origin = scene()
+    centers = (np.argwhere(states == 1)[::37] + 0.5) * VOXEL + origin
+    surface = (np.argwhere(states == 2) + 0.5) * VOXEL + origin
+    truth = np.linalg.norm(centers[:, None] - surface[None], axis=2).min(axis=1)
+    measured = submap().distance(np.ascontiguousarray(centers, np.float32))
+    assert measured.dtype == np.float64
+    np.testing.assert_allclose(measured, np.minimum(truth, 10.0), atol=0.006)
+
+
+def test_distance_is_nan_where_unobserved():
+    points = np.array([[100, 0, 0], [0, 0, -3], [np.nan, 0, 0]], np.float32)
+    assert np.isnan(submap().distance(points)).all()
+    assert np.isnan(submap().gradient(points)).all()
+
+
+def test_queries_refuse_wrong_arrays():
+    with pytest.raises(ValueError, match="float32"):
+        submap().distance(np.zeros((3, 3)))
+    with pytest.raises(ValueError):
+        submap().distance(np.zeros((3, 2), np.float32))
+
+
+def test_certified_is_never_above_the_distance_to_occupied_voxels():
+    states, origin = scene()
+    low = np.argwhere(states == 2) * VOXEL + origin
+    points = np.random.RandomState(1).uniform((-8, -8, 0), (8, 8, 6), (500, 3)).astype(np.float32)
+    nearest = np.clip(points[:, None], low[None], low[None] + VOXEL)
+    truth = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1)
+    assert (submap(certified=True).distance(points) <= truth + 1e-6).all()
+
+
+def test_submap_frame_moves_everything():
+    T_S_G = pose(5, -3, 1, 0.5)
+    moved, plain = submap(T_S_G=T_S_G), submap()
+    points = np.random.RandomState(1).uniform((-8, -8, 0), (8, 8, 6), (300, 3))
+    in_S = points @ T_S_G[:3, :3].T + T_S_G[:3, 3]
+    np.testing.assert_allclose(
+        moved.distance(in_S.astype(np.float32)), plain.distance(points.astype(np.float32)), atol=1e-4
+    )
+    assert len(moved.occupied_points()) == (scene()[0] == 2).sum()
+
+
+def test_bytes_round_trip_and_refusal():
+    original = submap()
+    data = original.to_bytes()
+    copy = voxnav.Submap.from_bytes(data)
+    assert copy.to_bytes() == data
+    for broken in (data[:-1], data[: len(data) // 2], b"", data[:50] + b"\x07" + data[51:]):
+        with pytest.raises(ValueError, match="submap"):
+            voxnav.Submap.from_bytes(broken)
+
+
+def test_mesh_of_a_submap_has_valid_triangles():
+    vertices, triangles = submap().mesh()
+    assert vertices.dtype == np.float32 and triangles.dtype == np.uint32
+    assert triangles.max() < len(vertices)
+
+
+def test_bad_configuration_raises_config_error():
+    with pytest.raises(voxnav.ConfigError, match="band_voxels"):
+        voxnav.SubmapConfig(band_voxels=1.0)
+    with pytest.raises(voxnav.ConfigError, match="rule"):
+        voxnav.ProjectiveConfig(rule="quick")
+    with pytest.raises(voxnav.ConfigError, match="truncation_m"):
+        voxnav.ProjectiveIntegrator(voxnav.ProjectiveConfig(truncation_m=0.5))
+
+
+def test_projective_integrator_finds_a_wall():
+    integrator = voxnav.ProjectiveIntegrator(voxnav.ProjectiveConfig(rule="merged"))
+    y, z = np.meshgrid(np.arange(-4, 4, 0.1), np.arange(-2, 2, 0.1))
+    wall = np.column_stack([np.full(y.size, 5.03), y.ravel(), z.ravel()]).astype(np.float32)
+    counts = integrator.integrate(wall, np.eye(4))
+    assert counts["rays"] < counts["points"] and counts["dropped"] == 0
+    u = integrator.finish()
+    np.testing.assert_allclose(u.surface_points()[:, 0], 5.03, atol=0.15)
+
+
+def test_collection_forgets_what_drove_away_and_keeps_the_rest():
+    c = voxnav.SubmapCollection()
+    c.add(1, submap(True), np.eye(4), stamp=10.0)
+    before = c.occupied_points()
+    c.add(2, submap(False), pose(0.05, 0.0, 0.02), stamp=20.0)
+    after = c.occupied_points()
+    assert (before[:, 2] > 0.6).sum() > 50
+    assert (after[:, 2] > 0.6).sum() == 0
+    assert (after[:, 2] < 0.4).sum() > 1400
+
+
+def test_obstacles_equal_brute_force():
+    c = voxnav.SubmapCollection()
+    c.add(1, submap(), pose(1, 2, 3, 0.7))
+    points = c.occupied_points()
+    grid = c.obstacle_grid(1.5)
+    centers = np.concatenate([grid.centers(1), grid.centers(2)])[::31].copy()
+    nearest = np.linalg.norm(centers[:, None] - points[None], axis=2).min(axis=1)
+    reach = 1.5 + 0.5 * np.sqrt(3) * VOXEL
+    clear = np.abs(nearest - reach) > 1e-4
+    np.testing.assert_array_equal((grid.states(centers) == 2)[clear], (nearest < reach)[clear])
+    assert len(c.obstacles(1.5)) == len(grid.centers(2))
+
+
+def test_obstacle_changes_add_up_to_the_grid():
+    c = voxnav.SubmapCollection()
+    obstacles = voxnav.ObstacleMap(VOXEL, 1.0)
+    received = voxnav.StateGrid(VOXEL)
+    c.add(1, submap(), np.eye(4))
+    received.apply_update(**obstacles.update(c))
+    c.set_poses({1: pose(3, 0, 0, 0.2)})
+    received.apply_update(**obstacles.update(c))
+    points = np.random.RandomState(1).uniform((-10, -10, -2), (10, 10, 6), (3000, 3)).astype(np.float32)
+    np.testing.assert_array_equal(received.states(points), c.obstacle_grid(1.0).states(points))
+
+
+def test_collection_save_and_load(tmp_path):
+    c = voxnav.SubmapCollection()
+    c.add(7, submap(), pose(1, 2, 3, 0.1), stamp=3.0)
+    c.save(str(tmp_path / "map"))
+    copy = voxnav.SubmapCollection.load(str(tmp_path / "map"))
+    np.testing.assert_array_equal(copy.occupied_points(), c.occupied_points())
+    np.testing.assert_array_equal(copy.poses()[7], c.poses()[7])
+    index = tmp_path / "map" / "index.vxi"
+    index.write_bytes(index.read_bytes()[:-3])
+    with pytest.raises(ValueError, match="index.vxi"):
+        voxnav.SubmapCollection.load(str(tmp_path / "map"))
