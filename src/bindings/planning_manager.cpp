@@ -9,6 +9,7 @@
 #include "point_lists.hpp"
 #include "views.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
+#include "voxnav/pipeline/planning_node_config.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -224,6 +225,8 @@ PlanOutcome plan_job(const planning::AStarPlanner& planner, const PlanningManage
 }  // namespace
 
 void bind_planning_manager(py::module_& m) {
+  bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
+                                  "Frames, rates, services and heartbeats of the planning_manager node.");
   bind_navigation_map(m);
   bind_action(m);
   bind_manager(m);

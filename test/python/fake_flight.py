@@ -50,7 +50,7 @@ class FakeFlight:
         if self.flown is None:
             return self.position
         points, dt, begin = self.flown
-        at = np.clip((time_s - begin) / dt, 0.0, len(points) - 1)
+        at = min(max((time_s - begin) / dt, 0.0), len(points) - 1.0)
         low = int(at)
         high = min(low + 1, len(points) - 1)
         return points[low] + (at - low) * (points[high] - points[low])

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav::pipeline {
+
+/// What the planning_manager node decides around the planning manager: frames, rates, services, heartbeats.
+struct PlanningNodeConfig {
+  std::string map_frame = "map";
+  bool use_map_correction = true;
+  std::vector<std::string> required_nodes = {"cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer"};
+  double heartbeat_timeout_s = 4.0;
+  double main_rate_hz = 20.0;
+  double check_rate_hz = 10.0;
+  double status_rate_hz = 5.0;
+  double service_timeout_s = 2.0;
+  double generator_time_s = 0.3;
+  bool is_synchronous = false;
+  bool keep_goal_over_restart = true;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = PlanningNodeConfig;
+    using base::in;
+    v("map_frame", &C::map_frame, base::any(), "", "frame W, until the optimiser names it");
+    v("use_map_correction", &C::use_map_correction, base::any(), "",
+      "false: there is no optimiser, W is the odometry frame");
+    v("required_nodes", &C::required_nodes, base::any(), "",
+      "nodes whose diagnostics must be heard; the vehicle hovers without them");
+    v("heartbeat_timeout_s", &C::heartbeat_timeout_s, in(1.5, 60), "s", "of wall time, without diagnostics of a node");
+    v("main_rate_hz", &C::main_rate_hz, in(1, 200), "Hz", "state machine");
+    v("check_rate_hz", &C::check_rate_hz, in(1, 100), "Hz", "corridor check");
+    v("status_rate_hz", &C::status_rate_hz, in(0.1, 50), "Hz", "status and markers");
+    v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "of wall time, for an answer of any service");
+    v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time asked of the trajectory generator");
+    v("is_synchronous", &C::is_synchronous, base::any(), "",
+      "search and call services within the main loop: for lock-step simulation, where time waits");
+    v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
+      "a restarted node takes up the goal that it was flying to");
+  }
+};
+
+}  // namespace voxnav::pipeline
