@@ -5,6 +5,7 @@
 #include "bind_config.hpp"
 #include "floors.hpp"
 #include "voxnav/geometry/distance_field.hpp"
+#include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 #include "voxnav/graph/trajectory.hpp"
 
@@ -193,6 +194,7 @@ py::array_t<double> correct_trajectory(const py::array& stamps_s, const py::arra
 
 void bind_graph(py::module_& m) {
   bind_config<graph::SubmapGraphConfig>(m, "SubmapGraphConfig", "Parameters of SubmapGraph.");
+  bind_config<graph::OptimizerConfig>(m, "OptimizerConfig", "What the submap optimiser does around SubmapGraph.");
   bind_report(m);
   bind_submap_graph(m);
   m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("submap_stamps_s"),

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""submap_optimizer: keeps the graph of submaps and tells everyone where they are.
+
+Everything that touches the graph runs on one worker thread, so that a solve never blocks a callback.
+"""
+
+import os
+import queue
+import threading
+import time
+
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from mrs_msgs.msg import Float64Stamped
+from mrs_msgs.srv import String, StringResponse
+from nav_msgs.msg import Odometry, Path
+from sensor_msgs.msg import NavSatFix
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger, TriggerResponse
+from visualization_msgs.msg import MarkerArray
+
+import voxnav
+from voxnav.msg import LoopClosure, NodeDiagnostics, OptimizerReport, Submap, SubmapPoses
+from voxnav.nodes import graph_messages
+from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
+from voxnav.nodes.params import load_sections
+from voxnav.nodes.poses import transform_to_msg
+from voxnav.optimizer_session import Height, OptimizerSession
+from voxnav.srv import GetSubmaps
+
+NAME = "submap_optimizer"
+_ANSWER_TIMEOUT_S = 30.0
+
+
+class SubmapOptimizer:
+    """The node; see config/submap_optimizer.yaml for its parameters."""
+
+    def __init__(self):
+        self._graph_config, self._config = load_sections(graph=voxnav.SubmapGraphConfig, node=voxnav.OptimizerConfig)
+        self._session = OptimizerSession(self._graph_config, self._config)
+        self._diagnostics, self._progress = Diagnostics(NAME), ProgressPublisher(NAME)
+        self._jobs = queue.Queue(maxsize=self._config.max_queue)
+        self._fixes = graph_messages.FixReader()
+        self._correction_lock = threading.Lock()
+        self._odometry_frame, self._T_O_W = self._config.odometry_frame, np.eye(4)
+        self._latest_stamp = rospy.Time(0)
+        self._advertise()
+        self._jobs.put(("restore", self._restore, ()))  # before the submaps that arrive from now on
+        self._subscribe()
+        threading.Thread(target=self._work, name="solver", daemon=True).start()
+
+    def _advertise(self):
+        def latched(topic, kind):
+            return rospy.Publisher(topic, kind, queue_size=2, latch=True)
+
+        self._poses_out = latched("~submap_poses_out", SubmapPoses)
+        self._markers_out = latched("~graph_markers_out", MarkerArray)
+        self._trajectory_out = latched("~trajectory_out", Path)
+        self._report_out = latched("~report_out", OptimizerReport)
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        rospy.Service("~optimize_in", Trigger, self._on_optimize)
+        rospy.Service("~save_g2o_in", String, self._on_save)
+        rospy.Service("~enable_kind_in", String, lambda request: self._on_kind(request.value, True))
+        rospy.Service("~disable_kind_in", String, lambda request: self._on_kind(request.value, False))
+        # Wall time: the correction has to be on tf also while a simulated clock is stepped.
+        threading.Thread(target=self._broadcast, name="tf", daemon=True).start()
+
+    def _subscribe(self):
+        rospy.Subscriber("~submap_in", Submap, self._on_submap, queue_size=50)
+        rospy.Subscriber("~loop_closure_in", LoopClosure, self._on_loop, queue_size=50)
+        rospy.Subscriber("~height_in", Float64Stamped, self._on_height, queue_size=50)
+        if self._config.gnss_type == "odometry":
+            rospy.Subscriber("~gnss_in", Odometry, self._on_gnss_odometry, queue_size=50)
+        elif self._config.gnss_type == "navsatfix":
+            rospy.Subscriber("~gnss_in", NavSatFix, self._on_fix, queue_size=50)
+
+    def _restore(self):
+        """After a restart in flight the integrator still has every finished submap."""
+        try:
+            rospy.wait_for_service("~get_submaps_out", timeout=2.0)
+            answer = rospy.ServiceProxy("~get_submaps_out", GetSubmaps)()
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            rospy.loginfo("[%s]: starting empty: %s", NAME, error)
+            return
+        if not answer.success:
+            rospy.logwarn("[%s]: starting empty: %s", NAME, answer.message)
+            return
+        for msg in answer.submaps:
+            self._take(msg)
+        if self._session.records:
+            self._solve(full=True)
+            rospy.loginfo("[%s]: restored %d submaps", NAME, len(self._session.records))
+
+    # Callbacks: they only hand over.
+
+    def _enqueue(self, stage, function, *arguments):
+        try:
+            self._jobs.put_nowait((stage, function, arguments))
+            return True
+        except queue.Full:
+            self._diagnostics.add_dropped(stage)
+            self._diagnostics.set_level(NodeDiagnostics.WARN, "the solver cannot keep up: %s dropped" % stage)
+            return False
+
+    def _on_submap(self, msg):
+        self._enqueue("submap", self._add_submap, msg)
+
+    def _on_loop(self, msg):
+        self._enqueue("loop", self._add_loop, msg)
+
+    def _on_gnss_odometry(self, msg):
+        self._session.add_fix(graph_messages.fix_from_odometry(msg))
+
+    def _on_fix(self, msg):
+        fix = self._fixes.read(msg)
+        if fix is None:
+            self._diagnostics.add_dropped("gnss")
+        else:
+            self._session.add_fix(fix)
+
+    def _on_height(self, msg):
+        self._session.add_height(Height(msg.header.stamp.to_sec(), msg.value))
+
+    def _ask(self, function, *arguments):
+        """Run on the worker and wait. Returns (success, message)."""
+        answers = queue.Queue(maxsize=1)
+
+        def job():
+            try:
+                answers.put((True, function(*arguments)))
+            except (ValueError, OSError) as error:
+                answers.put((False, str(error)))
+
+        if not self._enqueue("service", job):
+            return False, "the solver is busy and its queue is full"
+        try:
+            return answers.get(timeout=_ANSWER_TIMEOUT_S)
+        except queue.Empty:
+            return False, "no answer within %.0f s; the request stays in the queue" % _ANSWER_TIMEOUT_S
+
+    def _on_optimize(self, _):
+        return TriggerResponse(*self._ask(self._solve_and_tell))
+
+    def _on_save(self, request):
+        return StringResponse(*self._ask(self._save, request.value))
+
+    def _on_kind(self, kind, is_enabled):
+        return StringResponse(*self._ask(self._set_kind, kind, is_enabled))
+
+    # The worker.
+
+    def _work(self):
+        while not rospy.is_shutdown():
+            try:
+                stage, function, arguments = self._jobs.get(timeout=0.5)
+            except queue.Empty:
+                continue
+            try:
+                function(*arguments)
+            except Exception as error:  # noqa: B902: no input may end the thread
+                self._diagnostics.add_dropped(stage)
+                self._diagnostics.set_level(NodeDiagnostics.WARN, "%s refused: %s" % (stage, error))
+                rospy.logwarn_throttle(1.0, "[%s]: %s refused: %s", NAME, stage, error)
+
+    def _take(self, msg):
+        """Add one submap. True when it is new."""
+        record = graph_messages.record_from_msg(msg)
+        with self._diagnostics.time("add"):
+            is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg))
+        self._latest_stamp = max(self._latest_stamp, msg.header.stamp)
+        if msg.header.frame_id:
+            with self._correction_lock:
+                self._odometry_frame = msg.header.frame_id
+        return is_new
+
+    def _add_submap(self, msg):
+        try:
+            if self._take(msg):
+                self._solve()
+        finally:
+            self._progress.publish(msg.header.stamp)
+
+    def _add_loop(self, msg):
+        self._session.add_loop(graph_messages.loop_from_msg(msg))
+        self._solve()
+
+    def _solve(self, full=False):
+        start_s = time.monotonic()
+        with self._diagnostics.time("solve"):
+            report = self._session.optimize(full=full)
+        with self._correction_lock:
+            self._T_O_W = np.linalg.inv(self._session.T_W_O)
+        self._publish(report, time.monotonic() - start_s)
+        return report
+
+    def _publish(self, report, solve_s):
+        frame, stamp, session = self._config.map_frame, self._latest_stamp, self._session
+        with self._diagnostics.time("publish"):
+            self._poses_out.publish(graph_messages.poses_to_msg(session, stamp, frame))
+            self._report_out.publish(graph_messages.report_to_msg(report, session, stamp, frame, solve_s))
+            self._markers_out.publish(
+                graph_messages.markers_to_msg(session, stamp, frame, self._config.max_marker_lines))
+            self._trajectory_out.publish(graph_messages.trajectory_to_msg(session, stamp, frame))
+        self._diagnostics.set_level(NodeDiagnostics.OK)
+        for name, value in (("submaps", report.num_submaps), ("pairs", report.pairs), ("cost", report.cost_after),
+                            ("rejected_loops", len(report.rejected_loops)), ("revision", session.revision)):
+            self._diagnostics.set_counter(name, value)
+        for kind, count in session.dropped.items():
+            self._diagnostics.set_counter("dropped_" + kind, count)
+
+    def _solve_and_tell(self):
+        report = self._solve(full=True)
+        return "%d submaps, %d pairs, cost %.1f -> %.1f" % (
+            report.num_submaps, report.pairs, report.cost_before, report.cost_after)
+
+    def _save(self, path):
+        partial = path + ".part"
+        with open(partial, "w") as out:
+            out.write(self._session.graph.to_g2o())
+        os.replace(partial, path)
+        return "saved %d submaps to %s" % (len(self._session.records), path)
+
+    def _set_kind(self, kind, is_enabled):
+        self._session.graph.set_kind_enabled(kind, is_enabled)
+        self._solve()
+        return "%s constraints are %s" % (kind, "on" if is_enabled else "off")
+
+    def _broadcast(self):
+        period_s = 1.0 / self._config.tf_rate_hz
+        last_stamp = None
+        while not rospy.is_shutdown():
+            stamp = rospy.Time.now()
+            if stamp != last_stamp and not stamp.is_zero():  # a stamp sent twice makes tf2 complain
+                with self._correction_lock:
+                    header, T_O_W = Header(stamp=stamp, frame_id=self._odometry_frame), self._T_O_W
+                self._broadcaster.sendTransform(TransformStamped(
+                    header=header, child_frame_id=self._config.map_frame, transform=transform_to_msg(T_O_W)))
+                last_stamp = stamp
+            time.sleep(period_s)
+
+
+def main():
+    run_node(NAME, SubmapOptimizer)

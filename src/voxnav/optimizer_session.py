@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A submap graph that is fed with what happens in flight: the submap_optimizer node without ROS.
+
+Frames: W map, O odometry origin, B body, S submap, G frame of the GNSS positions. Stamps are seconds.
+"""
+
+import collections
+import math
+
+import numpy as np
+
+import voxnav
+
+SubmapRecord = collections.namedtuple("SubmapRecord", "id start_s end_s T_O_S stamps_s T_S_B")
+SubmapRecord.__doc__ = """A finished submap. stamps_s (n,) rising and T_S_B (n, 4, 4) are its pose history."""
+
+Loop = collections.namedtuple("Loop", "stamp_a_s stamp_b_s T_A_B covariance")
+Fix = collections.namedtuple("Fix", "stamp_s p_G covariance")
+Height = collections.namedtuple("Height", "stamp_s height_m")
+
+
+def yaw_of(T):
+    return math.atan2(T[1, 0], T[0, 0])
+
+
+def wrap(angle):
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+def aligned_pose(position, yaw):
+    """Gravity-aligned pose."""
+    out = np.eye(4)
+    c, s = math.cos(yaw), math.sin(yaw)
+    out[:2, :2] = [[c, -s], [s, c]]
+    out[:3, 3] = position
+    return out
+
+
+def aligned(T):
+    return aligned_pose(T[:3, 3], yaw_of(T))
+
+
+def body_pose_at(record, stamp_s):
+    """Gravity-aligned T_S_B at a time, or None outside of the pose history."""
+    stamps = record.stamps_s
+    if len(stamps) == 0 or not stamps[0] <= stamp_s <= stamps[-1]:
+        return None
+    i = min(int(np.searchsorted(stamps, stamp_s, side="right")), len(stamps) - 1)
+    before, after = record.T_S_B[max(i - 1, 0)], record.T_S_B[i]
+    span = stamps[i] - stamps[max(i - 1, 0)]
+    ratio = (stamp_s - stamps[max(i - 1, 0)]) / span if span > 0.0 else 1.0
+    yaw = yaw_of(before) + ratio * wrap(yaw_of(after) - yaw_of(before))
+    return aligned_pose((1.0 - ratio) * before[:3, 3] + ratio * after[:3, 3], wrap(yaw))
+
+
+def loop_between_submaps(T_SA_A, T_SB_B, T_A_B, covariance):
+    """A loop between bodies as one between their submaps: T_Sa_Sb and its (4, 4) information.
+
+    covariance: (6, 6) of x y z roll pitch yaw of T_A_B. The heading error of the loop moves the far submap too.
+    """
+    T_B_SB = np.linalg.inv(T_SB_B)
+    rotation, lever = T_SA_A[:3, :3], T_A_B[:3, :3] @ T_B_SB[:3, 3]
+    jacobian = np.eye(4)
+    jacobian[:3, :3] = rotation
+    jacobian[:3, 3] = rotation @ np.array([-lever[1], lever[0], 0.0])
+    rows = [0, 1, 2, 5]
+    spread = jacobian @ covariance[np.ix_(rows, rows)] @ jacobian.T
+    information = np.linalg.inv(0.5 * (spread + spread.T))
+    return aligned(T_SA_A @ T_A_B @ T_B_SB), 0.5 * (information + information.T)
+
+
+class OptimizerSession:
+    """Builds a SubmapGraph from submaps, loop closures, GNSS and heights as they arrive.
+
+    Not thread-safe, except that add_fix and add_height may be called while another thread does the rest.
+    """
+
+    def __init__(self, graph_config=None, config=None):
+        self.config = config or voxnav.OptimizerConfig()
+        self._graph = voxnav.SubmapGraph(graph_config or voxnav.SubmapGraphConfig())
+        self._records = collections.OrderedDict()
+        self._loops = collections.deque()
+        self._fixes = collections.deque(maxlen=self.config.max_pending)
+        self._heights = collections.deque(maxlen=self.config.max_pending)
+        self._height_offset = None
+        self.T_W_O = np.eye(4)
+        self.revision = 0
+        self.dropped = collections.Counter()
+
+    @property
+    def records(self):
+        """Submaps by id, oldest first."""
+        return self._records
+
+    @property
+    def graph(self):
+        return self._graph
+
+    def add_submap(self, record, field=None):
+        """Add a finished submap; its start is where odometry puts it after the last. False when it is known already.
+
+        field: DistanceField to register it by. Raises ValueError for a pose that is not valid, when full, and for a
+        known id of another time (an integrator that began anew).
+        """
+        if record.id in self._records:
+            if abs(self._records[record.id].start_s - record.start_s) > 1e-3:
+                raise ValueError("submap %d is known from another time; restart the optimiser too" % record.id)
+            return False
+        previous = next(reversed(self._records.values())) if self._records else None
+        self._graph.add_submap(record.id, aligned(self.T_W_O @ record.T_O_S), field)
+        self._records[record.id] = record
+        if previous is not None:
+            T_a_b = aligned(np.linalg.inv(previous.T_O_S) @ record.T_O_S)
+            gap_s = max(0.0, record.start_s - previous.start_s)
+            self._graph.add_relative_pose(previous.id, record.id, T_a_b, self._odometry_information(gap_s), "odometry")
+        self._attach_fixes(record)
+        self._attach_heights(record)
+        self._attach_loops()
+        return True
+
+    def add_loop(self, loop):
+        """Add a loop closure between two stamps; it waits until both lie in finished submaps.
+
+        Raises ValueError when it cannot be used.
+        """
+        if not (np.all(np.isfinite(loop.T_A_B)) and np.all(np.isfinite(loop.covariance))):
+            raise ValueError("loop closure is not finite")
+        if np.any(np.linalg.eigvalsh(loop.covariance[np.ix_([0, 1, 2, 5], [0, 1, 2, 5])]) <= 0.0):
+            raise ValueError("covariance of x, y, z, yaw must be positive definite")
+        if len(self._loops) >= self.config.max_pending:
+            self._loops.popleft()
+            self.dropped["loop"] += 1
+        self._loops.append(loop)
+        self._attach_loops()
+
+    def add_fix(self, fix):
+        """Add a GNSS position in frame G; used when the submap of its time is finished. False when too uncertain."""
+        if not (np.all(np.isfinite(fix.p_G)) and np.all(np.isfinite(fix.covariance))):
+            self.dropped["gnss"] += 1
+            return False
+        if math.sqrt(max(np.linalg.eigvalsh(fix.covariance)[-1], 0.0)) > self.config.gnss_max_sigma_m:
+            self.dropped["gnss"] += 1
+            return False
+        self._fixes.append(fix)
+        return True
+
+    def add_height(self, height):
+        """Add a height above any fixed level; only changes of it matter."""
+        if not math.isfinite(height.height_m):
+            self.dropped["height"] += 1
+            return False
+        self._heights.append(height)
+        return True
+
+    def optimize(self, full=False):
+        """Solve and set T_W_O so that the newest submap stays where odometry has it. Returns OptimizeReport."""
+        report = self._graph.optimize(full=full)
+        if self._records:
+            newest = next(reversed(self._records.values()))
+            self.T_W_O = aligned(self._graph.poses()[newest.id] @ np.linalg.inv(aligned(newest.T_O_S)))
+        self.revision += 1
+        return report
+
+    def trajectory(self):
+        """Stamps (n,) and poses T_W_B (n, 4, 4) of the flight so far, without steps, thinned to the limit."""
+        records = [r for r in self._records.values() if len(r.stamps_s)]
+        if not records:
+            return np.empty(0), np.empty((0, 4, 4))
+        stamps = np.concatenate([r.stamps_s for r in records])
+        T_O_B = np.concatenate([r.T_O_S @ r.T_S_B for r in records])
+        step = -(-len(stamps) // self.config.max_trajectory_poses)
+        stamps, T_O_B = np.ascontiguousarray(stamps[::step]), np.ascontiguousarray(T_O_B[::step])
+        poses = self._graph.poses()
+        middles, kept = [], []
+        for record in records:
+            middle = 0.5 * (record.start_s + record.end_s)
+            if not middles or middle > middles[-1] + 1e-6:
+                middles.append(middle)
+                kept.append(record)
+        T_O_S = np.array([aligned(r.T_O_S) for r in kept])
+        T_W_S = np.array([poses[r.id] for r in kept])
+        return stamps, voxnav.correct_trajectory(stamps, T_O_B, np.array(middles), T_O_S, T_W_S)
+
+    def _odometry_information(self, gap_s):
+        c = self.config
+        xy = math.hypot(c.odometry_xy_m, c.odometry_xy_mps * gap_s)
+        z = math.hypot(c.odometry_z_m, c.odometry_z_mps * gap_s)
+        yaw = math.hypot(c.odometry_yaw_rad, c.odometry_yaw_radps * gap_s)
+        return np.diag([xy ** -2, xy ** -2, z ** -2, yaw ** -2])
+
+    def _attach_fixes(self, record):
+        lever = np.array(self.config.gnss_lever_arm_m)
+        for fix in _take_spread(self._fixes, record, self.config.gnss_per_submap):
+            p_S = (body_pose_at(record, fix.stamp_s) @ np.append(lever, 1.0))[:3]
+            covariance = fix.covariance + np.eye(3) * self.config.gnss_min_sigma_m ** 2
+            self._graph.add_gnss_position(record.id, p_S, fix.p_G, covariance)
+
+    def _attach_heights(self, record):
+        for height in _take_spread(self._heights, record, self.config.heights_per_submap):
+            p_S = body_pose_at(record, height.stamp_s)[:3, 3]
+            if self._height_offset is None:
+                # The level of the heights is whatever makes the first one agree with the map.
+                self._height_offset = (self._graph.poses()[record.id] @ np.append(p_S, 1.0))[2] - height.height_m
+            self._graph.add_height(record.id, p_S, height.height_m + self._height_offset, self.config.height_sigma_m)
+
+    def _attach_loops(self):
+        waiting = collections.deque()
+        newest_s = next(reversed(self._records.values())).end_s if self._records else -math.inf
+        for loop in self._loops:
+            a, b = self._record_at(loop.stamp_a_s), self._record_at(loop.stamp_b_s)
+            if a is None or b is None:
+                if max(loop.stamp_a_s, loop.stamp_b_s) > newest_s:
+                    waiting.append(loop)
+                else:
+                    self.dropped["loop"] += 1
+            elif a.id == b.id:
+                self.dropped["loop"] += 1
+            else:
+                T_a_b, information = loop_between_submaps(body_pose_at(a, loop.stamp_a_s),
+                                                          body_pose_at(b, loop.stamp_b_s), loop.T_A_B, loop.covariance)
+                self._graph.add_relative_pose(a.id, b.id, T_a_b, information, "loop")
+        self._loops = waiting
+
+    def _record_at(self, stamp_s):
+        for record in reversed(self._records.values()):
+            if body_pose_at(record, stamp_s) is not None:
+                return record
+        return None
+
+
+def _take_spread(pending, record, limit):
+    """Remove what is not newer than the submap from `pending` and return up to `limit` of its time, spread evenly."""
+    inside = []
+    while pending and pending[0].stamp_s <= record.end_s:
+        measurement = pending.popleft()
+        if body_pose_at(record, measurement.stamp_s) is not None:
+            inside.append(measurement)
+    if len(inside) <= limit:
+        return inside
+    return [inside[i] for i in np.linspace(0, len(inside) - 1, limit).round().astype(int)] if limit else []
