@@ -11,8 +11,8 @@ namespace voxnav_simulation {
 constexpr double kGravity = 9.81;
 
 struct ImuConfig {
-  double gyro_noise = 0.002;
-  double accel_noise = 0.02;
+  double gyro_noise = 0.0005;
+  double accel_noise = 0.005;
   double gyro_bias = 0.005;
   double accel_bias = 0.05;
   double gyro_bias_walk = 1e-5;

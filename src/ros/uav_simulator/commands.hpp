@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrs_msgs/GetPathSrv.h>
+#include <mrs_msgs/PathSrv.h>
+#include <mrs_msgs/ReferenceStamped.h>
+#include <mrs_msgs/ReferenceStampedSrv.h>
+#include <mrs_msgs/String.h>
+#include <mrs_msgs/TrajectoryReferenceSrv.h>
+#include <mrs_msgs/Vec1.h>
+#include <mrs_msgs/Vec4.h>
+#include <ros/node_handle.h>
+#include <std_srvs/Trigger.h>
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frames.hpp"
+#include "voxnav_simulation/trajectory_generator.hpp"
+#include "voxnav_simulation/uav.hpp"
+
+namespace voxnav_ros {
+
+/// The MRS commands: services and topics of control_manager, uav_manager, constraint_manager and trajectory_generation,
+/// with their refusals. Callbacks may come from several threads, also while simulated time stands still.
+class UavCommands {
+ public:
+  struct Shared {
+    std::mutex* mutex;  ///< guards uav and constraints
+    voxnav_simulation::Uav* uav;
+    std::string* constraints;
+  };
+  /// @param take_off_refusal  asked before take-off; empty: allowed
+  UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,
+              const voxnav_simulation::UavConstraintsConfig& constraints,
+              const voxnav_simulation::TrajectoryGeneratorConfig& generator,
+              std::function<std::string()> take_off_refusal);
+
+ private:
+  using Result = voxnav_simulation::CommandResult;
+  using Trigger = std_srvs::Trigger;
+
+  void advertise_triggers(ros::NodeHandle& nh);
+  void advertise_references(ros::NodeHandle& nh);
+  void advertise_trajectories(ros::NodeHandle& nh);
+  void trigger(ros::NodeHandle& nh, const std::string& name, std::function<Result()> command);
+
+  Result set_constraints(const std::string& name);
+  Result stop_tracking();
+  Result start_tracking();
+  Result resume_tracking();
+  Result go_to_start();
+  Result go_to(const std_msgs::Header& header, const mrs_msgs::Reference& reference);
+  Result fly(const mrs_msgs::TrajectoryReference& msg);
+  Result fly(const voxnav_simulation::TrackedTrajectory& trajectory);
+
+  struct Plan {
+    voxnav_simulation::GeneratedTrajectory generated;   ///< in the control frame
+    std::vector<voxnav_simulation::HeadedPoint> front;  ///< samples of the prediction that come first
+    bool has_dropped_waypoint = false;
+    ros::Time stamp;
+  };
+  Plan plan(const mrs_msgs::Path& path, const voxnav::geometry::Pose& T_O_path);
+  void set_start(const mrs_msgs::Path& path, voxnav_simulation::PathRequest* request, Plan* out);
+  bool get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response);
+
+  Shared shared_;
+  const UavFrames& frames_;
+  voxnav_simulation::UavConstraintsConfig constraints_;
+  voxnav_simulation::TrajectoryGeneratorConfig generator_;
+  std::function<std::string()> take_off_refusal_;
+  std::optional<voxnav_simulation::TrackedTrajectory> loaded_;  ///< last trajectory given; guarded like uav
+  double stopped_at_s_ = 0;                                     ///< where tracking it was stopped
+  std::vector<ros::ServiceServer> services_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace voxnav_ros

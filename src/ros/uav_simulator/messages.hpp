@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mrs_msgs/ConstraintManagerDiagnostics.h>
+#include <mrs_msgs/ControlManagerDiagnostics.h>
+#include <mrs_msgs/EstimationDiagnostics.h>
+#include <mrs_msgs/RtkGps.h>
+#include <mrs_msgs/TrackerCommand.h>
+#include <mrs_msgs/UavManagerDiagnostics.h>
+#include <mrs_msgs/UavState.h>
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/NavSatFix.h>
+#include <sensor_msgs/Range.h>
+
+#include <string>
+
+#include "voxnav_simulation/uav.hpp"
+#include "voxnav_simulation/uav_simulator_config.hpp"
+
+namespace voxnav_ros::uav_messages {
+
+using voxnav_simulation::BodyState;
+using voxnav_simulation::DynamicsLimits;
+using voxnav_simulation::Uav;
+using voxnav_simulation::UavSimulatorConfig;
+
+constexpr int kNumPredicted = 40;
+/// Seconds ahead of the i-th sample of the tracker's prediction.
+inline double predicted_ahead_s(int i) { return 0.01 + 0.2 * i; }
+
+/// Twist in the body frame, as nav_msgs asks for.
+nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& header, const std::string& child);
+/// Velocity and acceleration in the header's frame, as the MRS system has it.
+mrs_msgs::UavState uav_state(const BodyState& state, const std_msgs::Header& header, const std::string& child,
+                             const std::string& estimator);
+/// With the prediction of 40 samples; the same tracker state computed anew stays valid until the next command.
+mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header);
+mrs_msgs::DynamicsConstraints constraints(const DynamicsLimits& limits);
+
+mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const std_msgs::Header& header,
+                                                        const std::string& uav_name);
+mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, const std::string& name,
+                                                              const ros::Time& stamp);
+mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std_msgs::Header& header,
+                                                       const std::string& child, const UavSimulatorConfig& config);
+mrs_msgs::UavManagerDiagnostics manager_diagnostics(const Uav& uav, const ros::Time& stamp, double flight_time_s,
+                                                    const UavSimulatorConfig& config);
+
+sensor_msgs::Imu imu(const voxnav_simulation::ImuSample& sample, const std::string& frame_id);
+/// Latitude and longitude of a place in the world, on the plane that touches the earth in the origin.
+sensor_msgs::NavSatFix gnss(const voxnav_simulation::Vec3& position, const std_msgs::Header& header,
+                            const UavSimulatorConfig& config);
+mrs_msgs::RtkGps rtk(const voxnav_simulation::Vec3& position, const std_msgs::Header& header,
+                     const UavSimulatorConfig& config);
+sensor_msgs::Range range(const std::optional<double>& range_m, const std_msgs::Header& header, double max_m);
+
+}  // namespace voxnav_ros::uav_messages

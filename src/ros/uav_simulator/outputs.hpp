@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "frames.hpp"
+#include "voxnav_simulation/scene.hpp"
+#include "voxnav_simulation/uav.hpp"
+#include "voxnav_simulation/uav_simulator_config.hpp"
+
+namespace voxnav_ros {
+
+/// Everything the simulated vehicle publishes, each at its rate of simulated time. Used by one thread.
+class UavOutputs {
+ public:
+  UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const voxnav_simulation::UavSimulatorConfig& config,
+             const UavFrames& frames, std::shared_ptr<const voxnav_simulation::Scene> scene);
+
+  /// Call with the vehicle locked: takes what is due at this time.
+  void collect(voxnav_simulation::Uav* uav, const std::string& constraints);
+  void add_imu(const voxnav_simulation::ImuSample& sample);
+  /// Call unlocked: sends /clock first, then what was collected.
+  void publish();
+  void publish_clock(voxnav::base::StampNs stamp_ns);
+
+ private:
+  struct Batch;
+  bool is_due(double hz) const;
+  void collect_state(const voxnav_simulation::Uav& uav);
+  void collect_sensors(voxnav_simulation::Uav* uav);
+  void collect_diagnostics(const voxnav_simulation::Uav& uav, const std::string& constraints);
+  void watch_clearance(const voxnav_simulation::Uav& uav);
+  void note_phase(const voxnav_simulation::Uav& uav);
+  std_msgs::Header header(const std::string& frame_id) const;
+  template <class M>
+  void later(const ros::Publisher& publisher, const M& message);
+
+  voxnav_simulation::UavSimulatorConfig config_;
+  const UavFrames& frames_;
+  std::shared_ptr<const voxnav_simulation::Scene> scene_;
+  voxnav::base::StampNs stamp_ns_ = 0;
+  std::int64_t step_ = 0;  ///< of the vehicle, since the start
+  std::vector<std::function<void()>> queue_;
+  bool was_idle_ = true;
+  double take_off_s_ = 0, flight_s_ = 0;
+  double min_clearance_m_ = 0;
+  bool has_collided_ = false;
+
+  tf2_ros::TransformBroadcaster tf_;
+  ros::Publisher clock_, uav_state_, odom_main_, ground_truth_, imu_, rtk_, gnss_, range_, tracker_cmd_, constraints_,
+      control_diagnostics_, constraint_diagnostics_, estimation_diagnostics_, manager_diagnostics_, clearance_;
+};
+
+}  // namespace voxnav_ros

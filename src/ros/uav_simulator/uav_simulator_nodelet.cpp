@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <pluginlib/class_list_macros.hpp>
+#include <thread>
+
+#include "commands.hpp"
+#include "frames.hpp"
+#include "outputs.hpp"
+#include "pacer.hpp"
+#include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/nodelet_base.hpp"
+#include "voxnav_simulation/scene.hpp"
+#include "voxnav_simulation/uav.hpp"
+#include "voxnav_simulation/uav_simulator_config.hpp"
+
+namespace voxnav_ros {
+
+using voxnav_simulation::Uav;
+
+/// Stands in for the MRS nodes and owns /clock. A thread of its own advances the vehicle on the wall clock (nothing
+/// here may wait for simulated time); commands arrive on the manager's threads and are answered also while time stands
+/// still.
+class UavSimulatorNodelet : public NodeletBase {
+ public:
+  UavSimulatorNodelet() : NodeletBase("UavSimulator") {}
+  ~UavSimulatorNodelet() override {
+    if (pacer_) pacer_->stop();
+    is_running_ = false;
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  void initialize() override {
+    load();
+    ros::NodeHandle& nh = getMTNodeHandle();
+    ros::NodeHandle& private_nh = getMTPrivateNodeHandle();
+    frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator);
+    pacer_ = std::make_unique<Pacer>(config_);
+    make_uav();
+    outputs_ = std::make_unique<UavOutputs>(nh, private_nh, config_, *frames_, scene_);
+    commands_ =
+        std::make_unique<UavCommands>(nh, UavCommands::Shared{&mutex_, uav_.get(), &constraints_name_}, *frames_,
+                                      constraints_, generator_, [this] { return take_off_refusal(); });
+    progress_ = private_nh.subscribe("progress_in", 1000, &UavSimulatorNodelet::on_progress, this,
+                                     ros::TransportHints().tcpNoDelay());
+    thread_ = std::thread([this] { run(); });
+  }
+
+  void load() {
+    ParamLoader params(getPrivateNodeHandle());
+    params.section("node", &config_);
+    params.section("uav", &uav_config_);
+    params.section("drift", &drift_);
+    params.section("imu", &imu_);
+    params.section("constraints", &constraints_);
+    params.section("generator", &generator_);
+    params.finish();
+    constraints_name_ = constraints_.initial;
+  }
+
+  void make_uav() {
+    const auto seed = static_cast<std::uint64_t>(config_.seed);
+    Uav::GroundHeight ground;
+    if (!config_.world_yaml.empty()) {
+      scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
+      ground = [scene = scene_](double x, double y) { return scene->world().ground_height(x, y); };
+    }
+    uav_ =
+        std::make_unique<Uav>(uav_config_, drift_, imu_, *limits_named(constraints_, constraints_name_), seed, ground);
+    uav_->set_stamp_ns(voxnav::base::from_seconds(config_.start_time_s));
+  }
+
+  void run() {
+    const int steps = 200 / config_.clock_hz;
+    voxnav::base::StampNs stamp_ns = uav_->stamp_ns();
+    while (is_running_ && ros::ok()) {
+      const auto next_ns = stamp_ns + steps * voxnav_simulation::kStep_ns;
+      // Nodes that start while time stands still need a clock as well.
+      pacer_->wait(next_ns, [&] { outputs_->publish_clock(stamp_ns); });
+      if (!is_running_) return;
+      {
+        const auto timer = diagnostics().time("step");
+        advance(steps);
+      }
+      stamp_ns = next_ns;
+      report();
+    }
+  }
+
+  void advance(int steps) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      for (int i = 0; i < steps; ++i) {
+        uav_->step();
+        outputs_->add_imu(uav_->imu());
+      }
+      outputs_->collect(uav_.get(), constraints_name_);
+    }
+    outputs_->publish();
+  }
+
+  void report() {
+    diagnostics().set_counter("real_time_factor", pacer_->real_time_factor());
+    diagnostics().set_counter("recent_real_time_factor", pacer_->recent_real_time_factor());
+    for (const std::string& event : pacer_->take_events()) {
+      ++num_lockstep_events_;
+      NODELET_ERROR_STREAM("[" << node() << "]: " << event);
+      diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, event);
+    }
+    diagnostics().set_counter("lockstep_events", num_lockstep_events_);
+  }
+
+  /// In lock-step a flight starts when everybody is there, so that it does not depend on how fast they start.
+  std::string take_off_refusal() const {
+    std::string names;
+    for (const std::string& name : pacer_->unseen()) names += (names.empty() ? "" : ", ") + name;
+    return names.empty() ? names : "lock-step: no progress yet from " + names;
+  }
+
+  void on_progress(const voxnav::ProgressConstPtr& msg) { pacer_->report(msg->node, to_ns(msg->stamp)); }
+
+  voxnav_simulation::UavSimulatorConfig config_;
+  voxnav_simulation::UavConfig uav_config_;
+  voxnav_simulation::GnssDriftConfig drift_;
+  voxnav_simulation::ImuConfig imu_;
+  voxnav_simulation::UavConstraintsConfig constraints_;
+  voxnav_simulation::TrajectoryGeneratorConfig generator_;
+
+  std::shared_ptr<voxnav_simulation::Scene> scene_;
+  std::mutex mutex_;  ///< guards uav_ and constraints_name_
+  std::unique_ptr<Uav> uav_;
+  std::string constraints_name_;
+  std::unique_ptr<UavFrames> frames_;
+  std::unique_ptr<Pacer> pacer_;
+  std::unique_ptr<UavOutputs> outputs_;
+  std::unique_ptr<UavCommands> commands_;
+  ros::Subscriber progress_;
+  int num_lockstep_events_ = 0;
+  std::atomic<bool> is_running_{true};
+  std::thread thread_;
+};
+
+}  // namespace voxnav_ros
+
+PLUGINLIB_EXPORT_CLASS(voxnav_ros::UavSimulatorNodelet, nodelet::Nodelet)
