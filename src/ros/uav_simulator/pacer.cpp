@@ -40,9 +40,9 @@ void Pacer::wait_for_nodes(voxnav::base::StampNs stamp_ns, const std::function<v
     if (seconds(Clock::now() - since) > timeout_s_) {
       for (const std::string& node : missing) {
         lock_step_.leave_behind(node);
-        events_.push_back("lock-step: no progress from " + node + " for " + std::to_string(timeout_s_) +
-                          " s of wall time at simulated time " + std::to_string(voxnav::base::to_seconds(stamp_ns)) +
-                          " s; going on without it until it reports again");
+        events_.push_back({true, "lock-step: no progress from " + node + " at simulated time " +
+                                     std::to_string(voxnav::base::to_seconds(stamp_ns)) + " s within " +
+                                     std::to_string(timeout_s_) + " s of wall time; going on without it"});
       }
       return;
     }
@@ -84,7 +84,7 @@ void Pacer::measure(double sim_s) {
 void Pacer::report(const std::string& node, voxnav::base::StampNs stamp_ns) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (lock_step_.report(node, stamp_ns)) events_.push_back("lock-step: " + node + " is back");
+    if (lock_step_.report(node, stamp_ns)) events_.push_back({false, "lock-step: " + node + " is back"});
   }
   progress_.notify_all();
 }
@@ -99,7 +99,7 @@ std::vector<std::string> Pacer::unseen() const {
   return lock_step_.unseen();
 }
 
-std::vector<std::string> Pacer::take_events() {
+std::vector<Pacer::Event> Pacer::take_events() {
   const std::lock_guard<std::mutex> lock(mutex_);
   return std::exchange(events_, {});
 }

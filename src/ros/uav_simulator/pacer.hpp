@@ -26,8 +26,12 @@ class Pacer {
   void stop();
 
   std::vector<std::string> unseen() const;
+  struct Event {
+    bool is_problem;
+    std::string text;
+  };
   /// Nodes that were left behind since the last call, and nodes that came back.
-  std::vector<std::string> take_events();
+  std::vector<Event> take_events();
   /// Simulated over wall time, since the start and lately.
   double real_time_factor() const { return real_time_factor_; }
   double recent_real_time_factor() const { return recent_factor_; }
@@ -43,7 +47,7 @@ class Pacer {
   mutable std::mutex mutex_;
   std::condition_variable progress_;
   voxnav_simulation::LockStep lock_step_;
-  std::vector<std::string> events_;
+  std::vector<Event> events_;
   std::atomic<bool> is_stopped_{false};
 
   bool has_started_ = false;

@@ -101,12 +101,17 @@ class UavSimulatorNodelet : public NodeletBase {
   void report() {
     diagnostics().set_counter("real_time_factor", pacer_->real_time_factor());
     diagnostics().set_counter("recent_real_time_factor", pacer_->recent_real_time_factor());
-    for (const std::string& event : pacer_->take_events()) {
-      ++num_lockstep_events_;
-      NODELET_ERROR_STREAM("[" << node() << "]: " << event);
-      diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, event);
+    for (const Pacer::Event& event : pacer_->take_events()) {
+      if (event.is_problem) {
+        ++num_left_behind_;
+        NODELET_ERROR_STREAM("[" << node() << "]: " << event.text);
+        diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, event.text);
+      } else {
+        NODELET_WARN_STREAM("[" << node() << "]: " << event.text);
+        diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+      }
     }
-    diagnostics().set_counter("lockstep_events", num_lockstep_events_);
+    diagnostics().set_counter("lockstep_left_behind", num_left_behind_);
   }
 
   /// In lock-step a flight starts when everybody is there, so that it does not depend on how fast they start.
@@ -134,7 +139,7 @@ class UavSimulatorNodelet : public NodeletBase {
   std::unique_ptr<UavOutputs> outputs_;
   std::unique_ptr<UavCommands> commands_;
   ros::Subscriber progress_;
-  int num_lockstep_events_ = 0;
+  int num_left_behind_ = 0;
   std::atomic<bool> is_running_{true};
   std::thread thread_;
 };

@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The UAV simulator over ROS: MRS names and types, a flight, refusals, lock-step."""
+
+import math
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from mrs_msgs.msg import ControlManagerDiagnostics, DynamicsConstraints, Path, Reference, TrackerCommand
+from mrs_msgs.msg import TrajectoryReference, UavState
+from mrs_msgs.srv import GetPathSrv, ReferenceStampedSrv, String, TrajectoryReferenceSrv, Vec4
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+from voxnav.msg import Progress
+
+TIMEOUT_S = 60.0
+
+
+class Latest:
+    def __init__(self, topic, kind):
+        self.message, self.count = None, 0
+        self.subscriber = rospy.Subscriber(topic, kind, self._on_message, queue_size=100)
+
+    def _on_message(self, message):
+        self.message = message
+        self.count += 1
+
+
+def wait_for(condition, what, timeout_s=TIMEOUT_S):
+    end = time.time() + timeout_s
+    while not condition():
+        if time.time() > end:
+            raise AssertionError("timed out waiting for " + what)
+        time.sleep(0.02)
+
+
+def service(name, kind):
+    rospy.wait_for_service(name, TIMEOUT_S)
+    return rospy.ServiceProxy(name, kind)
+
+
+def reference(x, y, z, heading=0.0):
+    out = Reference()
+    out.position.x, out.position.y, out.position.z, out.heading = x, y, z, heading
+    return out
+
+
+def distance(a, b):
+    return math.sqrt((a.x - b.x) ** 2 + (a.y - b.y) ** 2 + (a.z - b.z) ** 2)
+
+
+class UavSimulatorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.clock = Latest("/clock", Clock)
+        cls.state = Latest("estimation_manager/uav_state", UavState)
+        cls.odom = Latest("estimation_manager/odom_main", Odometry)
+        cls.truth = Latest("uav_simulator/ground_truth", Odometry)
+        cls.imu = Latest("hw_api/imu", Imu)
+        cls.command = Latest("control_manager/tracker_cmd", TrackerCommand)
+        cls.control = Latest("control_manager/diagnostics", ControlManagerDiagnostics)
+        cls.constraints = Latest("control_manager/current_constraints", DynamicsConstraints)
+        cls.tf = Latest("/tf", TFMessage)
+        cls.reports = rospy.Publisher("progress", Progress, queue_size=100)
+        cls.is_reporting = False
+        cls.reporter = threading.Thread(target=cls.report, daemon=True)
+        every = (cls.state, cls.odom, cls.truth, cls.imu, cls.command, cls.control, cls.constraints, cls.tf)
+        wait_for(lambda: all(latest.count > 0 for latest in every), "the simulator")
+
+    @classmethod
+    def report(cls):
+        while not rospy.is_shutdown():
+            if cls.is_reporting:
+                try:
+                    cls.reports.publish(Progress(node="planner", stamp=cls.clock.message.clock))
+                except rospy.ROSException:
+                    return  # shutting down
+            time.sleep(0.005)
+
+    def position(self):
+        return self.state.message.pose.position
+
+    def test_1_names_frames_and_prediction(self):
+        self.assertEqual(self.state.message.header.frame_id, "uav1/gps_garmin_origin")
+        self.assertEqual(self.truth.message.header.frame_id, "uav1/ground_truth_origin")
+        self.assertEqual(self.odom.message.child_frame_id, "uav1/fcu")
+        self.assertAlmostEqual(self.constraints.message.horizontal_speed, 4.0)
+        prediction = self.command.message.full_state_prediction
+        self.assertEqual(len(prediction.position), 40)
+        ahead = [(s - prediction.header.stamp).to_sec() for s in prediction.stamps]
+        self.assertAlmostEqual(ahead[0], 0.01, 6)
+        self.assertAlmostEqual(ahead[39], 7.81, 6)
+        parents = {t.child_frame_id: t.header.frame_id for t in self.tf.message.transforms}
+        self.assertNotIn("uav1/fcu", parents)
+        self.assertEqual(parents["uav1/gps_garmin_origin"], "uav1/fcu")
+        self.assertEqual(parents["uav1/ground_truth_origin"], "uav1/fcu")
+
+    def test_2_refuses_on_the_ground(self):
+        answer = service("control_manager/goto", Vec4)([1, 2, 3, 0])
+        self.assertFalse(answer.success)
+        self.assertIn("not flying", answer.message)
+        answer = service("uav_manager/takeoff", Trigger)()
+        self.assertFalse(answer.success)
+        self.assertIn("planner", answer.message)
+
+    def test_3_takes_off_once_the_planner_reports(self):
+        cls = type(self)
+        cls.is_reporting = True
+        cls.reporter.start()
+        takeoff = service("uav_manager/takeoff", Trigger)
+        wait_for(lambda: takeoff().success, "take-off to be accepted")
+        wait_for(lambda: self.control.message.flying_normally, "flying normally")
+        self.assertAlmostEqual(self.position().z, 2.0, delta=0.3)
+
+    def test_4_flies_a_generated_path(self):
+        path = Path()
+        path.points = [reference(8, 0, 3), reference(8, 8, 3, 1.0)]
+        path.use_heading = path.fly_now = True
+        path.max_deviation_from_path = 0.2
+        generated = service("trajectory_generation/get_path", GetPathSrv)(path)
+        self.assertTrue(generated.success, generated.message)
+        self.assertEqual(len(generated.waypoint_trajectory_idxs), 2)
+        self.assertLess(distance(generated.trajectory.points[0].position, self.position()), 0.1)
+        answer = service("control_manager/trajectory_reference", TrajectoryReferenceSrv)(generated.trajectory)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(list(answer.tracker_successes), [True])
+        wait_for(lambda: self.control.message.tracker_status.tracking_trajectory, "tracking")
+        rospy.sleep(2.0)
+        self.continue_in_flight()
+        wait_for(lambda: not self.control.message.tracker_status.have_goal, "arrival")
+        self.assertLess(distance(self.position(), path.points[-1].position), 0.1)
+
+    def continue_in_flight(self):
+        """A path from the future starts with the prediction."""
+        path = Path()
+        path.header.stamp = rospy.Time.now() + rospy.Duration(2.0)
+        path.points = [reference(8, 0, 3), reference(8, 8, 3, 1.0)]
+        path.use_heading = path.fly_now = True
+        path.max_deviation_from_path = 0.2
+        generated = service("trajectory_generation/get_path", GetPathSrv)(path)
+        self.assertTrue(generated.success, generated.message)
+        points = [p.position for p in generated.trajectory.points]
+        self.assertAlmostEqual(generated.trajectory.dt, 0.2)
+        steps = [distance(a, b) for a, b in zip(points, points[1:])]
+        self.assertLess(max(steps) / 0.2, 4.5)  # no jump where the prediction ends
+        answer = service("control_manager/trajectory_reference", TrajectoryReferenceSrv)(generated.trajectory)
+        self.assertTrue(answer.success, answer.message)
+
+    def test_5_refusals_name_the_reason(self):
+        fly = service("control_manager/trajectory_reference", TrajectoryReferenceSrv)
+        self.assertIn("empty", fly(TrajectoryReference(fly_now=True)).message)
+        bad = TrajectoryReference(fly_now=True, points=[reference(0, float("nan"), 3)])
+        answer = fly(bad)
+        self.assertFalse(answer.success)
+        self.assertIn("not finite", answer.message)
+        self.assertEqual(list(answer.tracker_successes), [False])
+        lost = TrajectoryReference(fly_now=True, points=[reference(0, 0, 3)])
+        lost.header.frame_id = "uav1/nowhere"
+        self.assertIn("no transform", fly(lost).message)
+        old = TrajectoryReference(fly_now=True, points=[reference(0, 0, 3)] * 3)
+        old.header.stamp = rospy.Time.now() - rospy.Duration(5.0)
+        self.assertIn("over", fly(old).message)
+        self.assertFalse(service("constraint_manager/set_constraints", String)("warp").success)
+        self.assertFalse(service("trajectory_generation/get_path", GetPathSrv)(Path()).success)
+
+    def test_6_constraints_goals_in_body_frame_and_hover(self):
+        self.assertTrue(service("constraint_manager/set_constraints", String)("slow").success)
+        wait_for(lambda: self.constraints.message.horizontal_speed == 1.0, "slow constraints")
+        goto = service("control_manager/reference", ReferenceStampedSrv)
+        before = self.position()
+        header = self.state.message.header
+        header.frame_id = "fcu"
+        self.assertTrue(goto(header, reference(6, 0, 0)).success)
+        rospy.sleep(3.0)
+        self.assertGreater(distance(before, self.position()), 1.0)
+        self.assertTrue(service("control_manager/hover", Trigger)().success)
+        wait_for(lambda: abs(self.state.message.velocity.linear.x) + abs(self.state.message.velocity.linear.y) < 0.03,
+                 "standing still")
+        self.assertLess(distance(before, self.position()), 5.0)
+
+    def test_7_time_waits_for_the_planner_but_not_for_ever(self):
+        cls = type(self)
+        cls.is_reporting = False
+        time.sleep(0.5)
+        stopped = self.clock.message.clock
+        self.assertTrue(service("control_manager/hover", Trigger)().success)  # answered while time stands still
+        time.sleep(1.0)
+        self.assertEqual(self.clock.message.clock, stopped)
+        wait_for(lambda: (self.clock.message.clock - stopped).to_sec() > 0.5, "time to go on without the planner")
+
+    def test_8_lands(self):
+        type(self).is_reporting = True
+        self.assertTrue(service("uav_manager/land", Trigger)().success)
+        wait_for(lambda: not self.control.message.output_enabled, "landing")
+        self.assertFalse(service("control_manager/hover", Trigger)().success)
+
+    def test_9_imu_rate(self):
+        first, start = self.imu.count, self.clock.message.clock
+        rospy.sleep(2.0)
+        rate = (self.imu.count - first) / (self.clock.message.clock - start).to_sec()
+        self.assertAlmostEqual(rate, 200.0, delta=15.0)
+
+
+if __name__ == "__main__":
+    rospy.init_node("uav_simulator_test")
+    rostest.rosrun("voxnav", "uav_simulator_test", UavSimulatorTest, sys.argv)
