@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "room_world.hpp"
+#include "voxnav/odometry/lidar_odometry.hpp"
+
+namespace {
+
+using namespace voxnav;  // NOLINT: test
+using geometry::Pose;
+using geometry::Vec3;
+using odometry::LidarOdometry;
+using odometry::LidarOdometryConfig;
+using odometry::OdometryResult;
+using odometry::State;
+using test::RoomWorld;
+using Motion = std::function<Pose(double)>;
+
+Pose pose_at(const Vec3& position, double yaw, double roll = 0.0) {
+  Pose pose = geometry::from_position_yaw(position, yaw);
+  pose.linear() = pose.linear() * Eigen::AngleAxisd(roll, Vec3::UnitX()).toRotationMatrix();
+  return pose;
+}
+
+/// Smooth flight with turns; starts at the identity, at rest and without acceleration.
+Pose flight(double time) {
+  const double t = time > 0 ? time * time / (1 + time) : 0.0;
+  return pose_at(Vec3(2.0 * (1 - std::cos(0.8 * t)), 1.2 * (1 - std::cos(0.6 * t)), 0.4 * (1 - std::cos(t))),
+                 1.5 * (1 - std::cos(0.9 * t)), 0.15 * (1 - std::cos(1.7 * t)));
+}
+
+base::StampNs stamp_of(double t) { return base::from_seconds(1000.0 + t); }
+
+/// Gyro and specific force of a motion, by differences.
+void feed_imu(const Motion& motion, double from_s, double to_s, LidarOdometry* o) {
+  constexpr double h = 1e-4;
+  for (int i = static_cast<int>(std::lround(from_s * 200)); i < std::lround(to_s * 200); ++i) {
+    const double t = i / 200.0;
+    const Pose a = motion(t - h), b = motion(t + h);
+    const Vec3 gyro = odometry::log_so3(Eigen::Quaterniond(a.linear().transpose() * b.linear())) / (2 * h);
+    const Vec3 acceleration = (a.translation() + b.translation() - 2 * motion(t).translation()) / (h * h);
+    o->add_imu({stamp_of(t), gyro, motion(t).linear().transpose() * (acceleration + Vec3(0, 0, 9.81))});
+  }
+}
+
+OdometryResult add_scan(const RoomWorld& world, const Motion& motion, int index, LidarOdometry* o,
+                        bool with_times = true) {
+  const double t = index * 0.1;
+  const test::Sweep sweep = test::sweep_of(world, motion, t, 0.01, static_cast<std::uint32_t>(index));
+  return o->add_cloud(stamp_of(t), sweep.points_L, with_times ? sweep.times_s : std::vector<float>());
+}
+
+double position_error(const OdometryResult& r, const Pose& truth) {
+  return (r.T_O_B.translation() - truth.translation()).norm();
+}
+double angle_error(const OdometryResult& r, const Pose& truth) {
+  return Eigen::AngleAxisd(r.T_O_B.linear().transpose() * truth.linear()).angle();
+}
+
+/// Scan of something that has nothing to do with the map.
+std::vector<geometry::Vec3f> garbage(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> in(-40, 40);
+  std::vector<geometry::Vec3f> out(20000);
+  for (auto& p : out) p = {in(random), in(random), in(random)};
+  return out;
+}
+
+TEST(LidarOdometry, FollowsAFlightWithImu) {
+  LidarOdometry o{LidarOdometryConfig()};
+  double worst_m = 0, worst_rad = 0;
+  for (int i = 0; i < 60; ++i) {
+    feed_imu(flight, i * 0.1 - 0.05, i * 0.1 + 0.05, &o);
+    feed_imu(flight, i * 0.1 + 0.05, i * 0.1 + 0.1, &o);
+    const OdometryResult r = add_scan(RoomWorld::hall(), flight, i, &o);
+    worst_m = std::max(worst_m, position_error(r, flight(i * 0.1)));
+    worst_rad = std::max(worst_rad, angle_error(r, flight(i * 0.1)));
+    if (i == 0) continue;
+    EXPECT_EQ(r.quality.state, State::kTracking) << i << ": " << r.quality.reason;
+  }
+  EXPECT_LT(worst_m, 0.06);
+  EXPECT_LT(worst_rad, 0.01);
+  EXPECT_EQ(o.counters().scans_without_imu, 0u);
+}
+
+TEST(LidarOdometry, FollowsAFlightWithoutImu) {
+  LidarOdometry o{LidarOdometryConfig()};
+  OdometryResult r;
+  for (int i = 0; i < 60; ++i) r = add_scan(RoomWorld::hall(), flight, i, &o);
+  EXPECT_EQ(r.quality.state, State::kTracking);
+  EXPECT_LT(position_error(r, flight(5.9)), 0.1);
+  EXPECT_LT(angle_error(r, flight(5.9)), 0.02);
+}
+
+TEST(LidarOdometry, DeskewingIsWhatMakesFastTurnsAccurate) {
+  const Motion spin = [](double t) { return pose_at(Vec3(1.0 * t, 0, 0), 1.5 * t * t / (1 + t)); };
+  double error[2];
+  for (bool with_times : {false, true}) {
+    LidarOdometry o{LidarOdometryConfig()};
+    OdometryResult r;
+    for (int i = 0; i < 25; ++i) {
+      feed_imu(spin, i * 0.1, i * 0.1 + 0.1, &o);
+      r = add_scan(RoomWorld::hall(), spin, i, &o, with_times);
+    }
+    error[with_times] = position_error(r, spin(2.4)) + 5.0 * angle_error(r, spin(2.4));
+  }
+  EXPECT_LT(error[1], 0.08);
+  EXPECT_GT(error[0], 2.0 * error[1]);
+}
+
+TEST(LidarOdometry, StartsUprightFromTheImu) {
+  LidarOdometry o{LidarOdometryConfig()};
+  const Motion tilted = [](double) { return pose_at(Vec3::Zero(), 0.0, 0.2); };
+  feed_imu(tilted, -0.5, 0.1, &o);
+  const OdometryResult r = add_scan(RoomWorld::hall(), tilted, 0, &o);
+  EXPECT_LT(angle_error(r, tilted(0)), 1e-3);
+}
+
+TEST(LidarOdometry, ReportsPosesOfTheBodyNotOfTheSensor) {
+  const Pose T_B_L = pose_at(Vec3(0.1, 0.0, 0.3), 1.0, 0.1);
+  LidarOdometry o(LidarOdometryConfig(), T_B_L);
+  OdometryResult r;
+  for (int i = 0; i < 30; ++i) {
+    feed_imu(flight, i * 0.1 - (i == 0 ? 0.05 : 0.0), i * 0.1 + 0.1, &o);
+    r = add_scan(
+        RoomWorld::hall(), [&](double t) { return Pose(flight(t) * T_B_L); }, i, &o);
+  }
+  EXPECT_LT(position_error(r, flight(2.9)), 0.06);
+  EXPECT_LT(angle_error(r, flight(2.9)), 0.01);
+}
+
+TEST(LidarOdometry, CoastsThroughGarbageWithoutAJumpAndRecovers) {
+  LidarOdometry o{LidarOdometryConfig()};
+  const Motion line = [](double t) { return pose_at(Vec3(0.5 * t, 0, 0), 0); };
+  OdometryResult before;
+  for (int i = 0; i < 15; ++i) before = add_scan(RoomWorld::hall(), line, i, &o);
+  for (int i = 15; i < 25; ++i) {
+    const OdometryResult r = o.add_cloud(stamp_of(i * 0.1), garbage(static_cast<std::uint32_t>(i)));
+    EXPECT_EQ(r.quality.state, State::kCoasting);
+    EXPECT_FALSE(r.quality.reason.empty());
+    EXPECT_LT((r.T_O_B.translation() - before.T_O_B.translation()).norm(), 0.08);
+    EXPECT_GT(r.covariance(0, 0), before.covariance(0, 0));
+    before = r;
+  }
+  for (int i = 25; i < 30; ++i) before = add_scan(RoomWorld::hall(), line, i, &o);
+  EXPECT_EQ(before.quality.state, State::kTracking) << before.quality.reason;
+  EXPECT_LT(position_error(before, line(2.9)), 0.05);
+  EXPECT_LT(before.covariance(0, 0), 0.01);
+}
+
+TEST(LidarOdometry, EmptyScansCoastToo) {
+  LidarOdometry o{LidarOdometryConfig()};
+  const Motion still = [](double) { return Pose::Identity(); };
+  for (int i = 0; i < 5; ++i) add_scan(RoomWorld::hall(), still, i, &o);
+  const OdometryResult r = o.add_cloud(stamp_of(0.5), {});
+  EXPECT_EQ(r.quality.state, State::kCoasting);
+  EXPECT_LT(r.T_O_B.translation().norm(), 0.02);
+}
+
+TEST(LidarOdometry, BeginsANewMapAtTheCoastedPoseWhenTheOldOneIsLost) {
+  LidarOdometryConfig config;
+  config.restart_after_s = 1.0;
+  LidarOdometry o(config);
+  const Motion still = [](double) { return Pose::Identity(); };
+  const Motion elsewhere = [](double) { return pose_at(Vec3(300, 3, 0.2), 0.3); };
+  RoomWorld other = RoomWorld::hall();
+  for (auto* box : {&other.room}) {
+    box->min += Vec3(300, 0, 0);
+    box->max += Vec3(320, 15, 4);
+  }
+  for (int i = 0; i < 10; ++i) add_scan(RoomWorld::hall(), still, i, &o);
+  OdometryResult r;
+  double worst_step = 0;
+  for (int i = 10; i < 30; ++i) {
+    const Vec3 before = o.last().T_O_B.translation();
+    r = add_scan(other, elsewhere, i, &o);
+    worst_step = std::max(worst_step, (r.T_O_B.translation() - before).norm());
+  }
+  EXPECT_EQ(o.counters().map_restarts, 1u);
+  EXPECT_EQ(r.quality.state, State::kTracking) << r.quality.reason;
+  EXPECT_LT(worst_step, 0.3);
+  EXPECT_GT(std::sqrt(r.covariance(0, 0)), 0.3);  // what the gap cost is not forgotten
+}
+
+TEST(LidarOdometry, ACorridorIsFlaggedAndNotDriftedAlong) {
+  LidarOdometry o{LidarOdometryConfig()};
+  const Motion sideways = [](double t) { return pose_at(Vec3(0, 0.3 * std::sin(t), 0), 0.1 * std::sin(t)); };
+  OdometryResult r;
+  for (int i = 0; i < 40; ++i) {
+    r = add_scan(RoomWorld::corridor(), sideways, i, &o);
+    EXPECT_EQ(r.quality.is_degenerate, i > 0) << i;
+  }
+  EXPECT_EQ(r.quality.state, State::kTracking);
+  EXPECT_LT(std::abs(r.T_O_B.translation().x()), 0.15);
+  EXPECT_NEAR(r.T_O_B.translation().y(), sideways(3.9).translation().y(), 0.05);
+  EXPECT_GT(r.covariance(0, 0), 10 * r.covariance(1, 1));
+}
+
+TEST(LidarOdometry, RefusesOldStampsAndSurvivesAClockThatFallsBack) {
+  LidarOdometry o{LidarOdometryConfig()};
+  const Motion still = [](double) { return Pose::Identity(); };
+  for (int i = 0; i < 5; ++i) add_scan(RoomWorld::hall(), still, i, &o);
+  const auto scan = test::sweep_of(RoomWorld::hall(), still, 0, 0.01, 77);
+  EXPECT_FALSE(o.add_cloud(stamp_of(0.2), scan.points_L).is_new);
+  EXPECT_FALSE(o.add_cloud(stamp_of(0.4), scan.points_L).is_new);
+  const OdometryResult r = o.add_cloud(stamp_of(-500.0), scan.points_L);
+  EXPECT_TRUE(r.is_new);
+  EXPECT_LT(r.T_O_B.translation().norm(), 0.03);
+  EXPECT_EQ(o.counters().clock_jumps, 1u);
+  EXPECT_EQ(o.counters().clouds_refused, 2u);
+}
+
+TEST(LidarOdometry, CountsPointsThatAreNoPoints) {
+  LidarOdometry o{LidarOdometryConfig()};
+  auto scan = test::sweep_of(
+      RoomWorld::hall(), [](double) { return Pose::Identity(); }, 0, 0.01, 1);
+  for (std::size_t i = 0; i < 10; ++i) scan.points_L[i].x() = std::nanf("");
+  scan.times_s[20] = std::nanf("");
+  o.add_cloud(stamp_of(0), scan.points_L, scan.times_s);
+  EXPECT_EQ(o.counters().points_refused, 11u);
+  EXPECT_THROW(o.add_cloud(stamp_of(1), scan.points_L, {0.1F}), std::invalid_argument);
+}
+
+TEST(LidarOdometry, IsDeterministicAndForgetsOnReset) {
+  OdometryResult results[2];
+  LidarOdometry o{LidarOdometryConfig()};
+  for (OdometryResult& r : results) {
+    for (int i = 0; i < 8; ++i) r = add_scan(RoomWorld::hall(), flight, i, &o);
+    o.reset();
+  }
+  EXPECT_TRUE(results[0].T_O_B.matrix() == results[1].T_O_B.matrix());
+  EXPECT_TRUE(o.map().empty());
+}
+
+}  // namespace
