@@ -8,6 +8,7 @@
 #include "planning_manager.hpp"
 #include "point_lists.hpp"
 #include "views.hpp"
+#include "voxnav/pipeline/flight_search_config.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
 #include "voxnav/pipeline/planning_node_config.hpp"
 
@@ -227,6 +228,10 @@ PlanOutcome plan_job(const planning::AStarPlanner& planner, const PlanningManage
 void bind_planning_manager(py::module_& m) {
   bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
                                   "Frames, rates, services and heartbeats of the planning_manager node.");
+  bind_config<FlightSearchConfig>(m, "FlightSearchConfig", "AStarConfig with the defaults of the planning manager.")
+      .def(
+          "search_config", [](const FlightSearchConfig& c) { return planning::AStarConfig(c); },
+          "The same as an AStarConfig.");
   bind_navigation_map(m);
   bind_action(m);
   bind_manager(m);

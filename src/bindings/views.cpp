@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "views.hpp"
 
+#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/occupancy/local_map.hpp"
 #include "voxnav/planning/state_grid_view.hpp"
 
 namespace voxnav::bindings {
@@ -16,18 +18,21 @@ std::shared_ptr<const planning::OccupancyView> view_of_grid(const py::object& gr
   return std::make_shared<planning::StateGridView>(shared, grown_by_m);
 }
 
+/// A copy: planning needs every block anyway, and the map may go on changing.
+std::shared_ptr<const planning::OccupancyView> view_of_local_map(const occupancy::LocalMap& map) {
+  auto grid = std::make_shared<StateGrid>(map.config().resolution_m);
+  containers::apply(map.snapshot(), grid.get());
+  return std::make_shared<planning::StateGridView>(grid);
+}
+
 }  // namespace
 
 std::shared_ptr<const planning::OccupancyView> view_of(const py::object& map, double safety_distance_m) {
   if (py::isinstance<planning::OccupancyView>(map)) return py::cast<std::shared_ptr<planning::OccupancyView>>(map);
   if (py::isinstance<StateGrid>(map)) return view_of_grid(map, 0.0);
-  if (py::hasattr(map, "occupancy_view")) {
-    return py::cast<std::shared_ptr<planning::OccupancyView>>(map.attr("occupancy_view")());
-  }
-  if (py::hasattr(map, "obstacles")) {
-    const py::object grid = map.attr("obstacles")(safety_distance_m);
-    if (py::isinstance<StateGrid>(grid)) return view_of_grid(grid, safety_distance_m);
-  }
+  if (py::isinstance<occupancy::LocalMap>(map)) return view_of_local_map(py::cast<const occupancy::LocalMap&>(map));
+  if (py::hasattr(map, "obstacle_grid"))
+    return view_of_grid(map.attr("obstacle_grid")(safety_distance_m), safety_distance_m);
   throw py::value_error("view must be an OccupancyView, a StateGrid, a LocalMap or a SubmapCollection, got " +
                         py::cast<std::string>(py::str(map.get_type())));
 }

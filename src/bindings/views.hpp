@@ -9,8 +9,8 @@
 
 namespace voxnav::bindings {
 
-/// The view behind a Python object: an OccupancyView, a StateGrid, or anything with a method
-/// `occupancy_view(safety_distance_m)` that returns one of them. The object must outlive the view.
+/// The view behind a Python object: an OccupancyView, a StateGrid, a LocalMap (copied), or anything with a method
+/// `obstacle_grid(safety_distance_m)`, such as a SubmapCollection. A StateGrid must not change while its view is used.
 /// @throws py::value_error (ValueError) naming what was given instead
 std::shared_ptr<const planning::OccupancyView> view_of(const pybind11::object& map, double safety_distance_m);
 

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "voxnav/planning/a_star_config.hpp"
+
+namespace voxnav::pipeline {
+
+/// The search as the planning manager uses it: fields of AStarConfig, defaults for flight into unknown space. Far
+/// unknown space may be planned through, because only the known free part of a plan is ever flown.
+struct FlightSearchConfig : planning::AStarConfig {
+  FlightSearchConfig() {
+    timeout_s = 0.6;
+    clearance_distance_m = 2.0;
+    unknown_policy = "optimistic_far";
+    unknown_cost = 1.5;
+    optimistic_range_m = 4.0;
+    heuristic_weight = 1.2;
+    simplify = true;
+  }
+};
+
+}  // namespace voxnav::pipeline

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The planning_manager node: rospy around voxnav.PlanningManager, which decides everything."""
+
+import queue
+import threading
+
+import numpy as np
+import rospy
+
+import voxnav
+from voxnav.msg import NodeDiagnostics
+from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
+from voxnav.nodes.params import load_sections
+from voxnav.nodes.planning_goals import PlanningGoals
+from voxnav.nodes.planning_inputs import PlanningInputs
+from voxnav.nodes.planning_output import PlanningOutput
+from voxnav.nodes.planning_services import ControlServices
+
+NAME = "planning_manager"
+# A goal kept on the parameter server is forgotten after this time.
+KEPT_GOAL_AGE_S = 600.0
+
+
+class Worker:
+    """Runs actions one after the other in a thread of its own; newer ones wait in a short queue."""
+
+    def __init__(self, name, run):
+        self._run, self._queue = run, queue.Queue(maxsize=8)
+        threading.Thread(target=self._loop, name=name, daemon=True).start()
+
+    def submit(self, action):
+        try:
+            self._queue.put_nowait(action)
+        except queue.Full:
+            rospy.logerr_throttle(1.0, "[%s]: %s dropped, the worker is busy", NAME, action.kind)
+
+    def _loop(self):
+        while not rospy.is_shutdown():
+            self._run(self._queue.get())
+
+
+class PlanningManagerNode:
+    def __init__(self):
+        node, manager, planner, limits = load_sections(
+            node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
+            map=voxnav.NavigationMapConfig)
+        self._config, self._manager_config = node, manager
+        self._planner = voxnav.AStarPlanner(planner.search_config())
+        self._map = voxnav.NavigationMap(limits)
+        self._manager = voxnav.PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
+        self._lock = threading.RLock()  # guards the manager
+        self._waypoints, self._limits, self._last_now = np.zeros((0, 3)), None, 0.0
+        self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
+        self._diagnostics = Diagnostics(NAME)
+        self._progress = ProgressPublisher(NAME)
+        self._output = PlanningOutput()
+        self._services = ControlServices(node, manager.trajectory_deviation_m)
+        # Stopping must not wait behind a search or a generator.
+        self._thinker = Worker("thinker", self._answer)
+        self._commander = Worker("commander", self._answer)
+        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump)
+        uav_name = rospy.get_namespace().strip("/").split("/")[0]
+        self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
+        self._resume_kept_goal()
+        for rate_hz, callback in ((node.main_rate_hz, self._tick), (node.check_rate_hz, self._check),
+                                  (node.status_rate_hz, self._show)):
+            rospy.Timer(rospy.Duration(1.0 / rate_hz), callback, reset=True)
+
+    # Timers
+
+    def _tick(self, _):
+        now = rospy.Time.now()
+        if now.to_sec() < self._last_now - 1.0:
+            rospy.logwarn("[%s]: the clock jumped back", NAME)
+            self._inputs.reset()
+        self._last_now = now.to_sec()
+        with self._diagnostics.time("tick"):
+            self._inputs.update(now.to_sec())
+            with self._lock:
+                actions = self._manager.tick(now.to_sec())
+            self._dispatch(actions)
+        self._progress.publish(now)
+
+    def _check(self, _):
+        with self._diagnostics.time("check"):
+            view = self._map.view()
+            with self._lock:
+                actions = self._manager.check(view, rospy.Time.now().to_sec())
+            self._dispatch(actions)
+
+    def _show(self, _):
+        with self._lock:
+            status = self._manager.status
+            path = self._manager.remaining_path(rospy.Time.now().to_sec())
+        inputs = self._inputs
+        T, p = inputs.T_W_O, inputs.position_O
+        position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
+        self._output.publish(status, inputs, path, self._waypoints if status["goal_W"] is not None else path[:0],
+                             position_W)
+        self._keep_goal(status["goal_W"])
+        self._report(status)
+
+    def _report(self, status):
+        is_hovering = status["reason"].startswith(("hover", "brake", "stuck", "waiting"))
+        self._diagnostics.set_level(NodeDiagnostics.WARN if is_hovering else NodeDiagnostics.OK,
+                                    status["reason"] if is_hovering else "")
+        for name in ("num_plans", "num_trajectories", "num_shortened", "num_hovers", "expansions"):
+            self._diagnostics.set_counter(name, status[name])
+        self._diagnostics.set_counter("num_bad_inputs", self._inputs.num_bad)
+        self._diagnostics.set_counter("num_snapshots", self._inputs.local.num_snapshots)
+
+    # Commands
+
+    def _set_goal(self, goal_W, heading_W):
+        with self._lock:
+            problem = self._manager.set_goal(goal_W, heading_W, rospy.Time.now().to_sec())
+        if not problem:
+            rospy.loginfo("[%s]: goal (%.1f, %.1f, %.1f)", NAME, *goal_W)
+        return problem
+
+    def _stop(self):
+        with self._lock:
+            actions = self._manager.stop("stopped by command", rospy.Time.now().to_sec())
+        self._dispatch(actions)
+        return "stopping"
+
+    def _on_jump(self, reason):
+        rospy.logwarn("[%s]: %s", NAME, reason)
+        with self._lock:
+            actions = self._manager.frame_jumped(reason, rospy.Time.now().to_sec())
+        self._dispatch(actions)
+
+    # Actions
+
+    def _dispatch(self, actions):
+        for action in actions:
+            if action.kind in ("hover", "publish"):
+                rospy.loginfo("[%s]: %s: %s", NAME, action.kind, action.reason)
+            if self._config.is_synchronous:
+                self._answer(action)
+            elif action.kind in ("hover", "publish"):
+                self._commander.submit(action)
+            else:
+                self._thinker.submit(action)
+
+    def _answer(self, action):
+        """Do what is wanted and tell the manager; whatever goes wrong becomes a reason."""
+        try:
+            with self._diagnostics.time(action.kind):
+                finish = getattr(self, "_do_" + action.kind)(action)
+            with self._lock:
+                actions = finish(rospy.Time.now().to_sec())
+        except (ValueError, RuntimeError, rospy.ROSException) as error:
+            rospy.logerr("[%s]: %s failed: %s", NAME, action.kind, error)
+            return
+        self._dispatch(actions or [])
+
+    def _do_plan(self, action):
+        view, limits = self._map.view(), self._inputs.limits
+        if view is None or limits is None:
+            raise ValueError("no map or no constraints")
+        outcome = voxnav.run_plan_job(self._planner, self._manager_config, view, action.start_O, action.goal_O, limits)
+        self._waypoints = outcome.waypoints_O
+        return lambda now: self._manager.plan_done(action.job, outcome, now)
+
+    def _do_generate(self, action):
+        problem, trajectory = self._services.generate(action, self._inputs.odometry_frame,
+                                                      rospy.Time.now().to_sec())
+        view = self._map.view()
+        return lambda now: self._manager.generate_done(action.job, problem, trajectory, view, now)
+
+    def _do_publish(self, action):
+        problem = self._services.publish(action.trajectory, self._inputs.odometry_frame)
+        return lambda now: self._manager.publish_done(action.job, problem, now)
+
+    def _do_hover(self, action):
+        problem = self._services.hover()
+        if problem:
+            rospy.logerr_throttle(1.0, "[%s]: cannot hover: %s", NAME, problem)
+        return lambda now: self._manager.hover_done(problem, now)
+
+    # The goal outlives the node, so that a restarted one flies on
+
+    def _keep_goal(self, goal_W):
+        kept = None if goal_W is None else [float(x) for x in goal_W]
+        if not self._config.keep_goal_over_restart or kept == self._kept:
+            return
+        self._kept = kept
+        stamp_s = rospy.Time.now().to_sec()
+        rospy.set_param(self._kept_name, {"goal_W": kept, "stamp_s": stamp_s} if kept else {"stamp_s": stamp_s})
+
+    def _resume_kept_goal(self):
+        self._kept = None
+        kept = rospy.get_param(self._kept_name, {})
+        now_s = rospy.Time.now().to_sec()
+        if not self._config.keep_goal_over_restart or "goal_W" not in kept:
+            return
+        if 0.0 <= now_s - kept["stamp_s"] < KEPT_GOAL_AGE_S or now_s == 0.0:
+            rospy.logwarn("[%s]: takes up the goal it was flying to", NAME)
+            self._set_goal(np.array(kept["goal_W"]), None)
+
+
+def main():
+    run_node(NAME, PlanningManagerNode)

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the planner shows: status, path markers, a line for mrs_uav_status."""
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA, String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from voxnav.msg import PlannerStatus
+
+STATE_NAMES = ("IDLE", "PLAN", "MOVE")
+STATE_COLOURS = ("", "-y ", "-g ")
+MAX_LINE = 30  # characters that mrs_uav_status shows
+MAX_MARKER_POINTS = 500
+
+
+def points_of(array):
+    step = max(1, len(array) // MAX_MARKER_POINTS)
+    kept = list(array[::step]) + ([array[-1]] if len(array) else [])
+    return [Point(*(float(x) for x in p)) for p in kept]
+
+
+def marker(frame, stamp, name, kind, colour, size, points=()):
+    out = Marker(ns=name, id=0, type=kind, action=Marker.ADD if len(points) else Marker.DELETE)
+    out.header.frame_id, out.header.stamp = frame, stamp
+    out.pose.orientation.w = 1.0
+    out.color = ColorRGBA(*colour)
+    out.scale.x = size
+    if kind == Marker.SPHERE:
+        out.scale.y = out.scale.z = size
+        if len(points):
+            out.pose.position = points[0]
+    else:
+        out.points = list(points)
+    return out
+
+
+class PlanningOutput:
+    def __init__(self):
+        self._status = rospy.Publisher("~status_out", PlannerStatus, queue_size=5, latch=True)
+        self._display = rospy.Publisher("~display_string_out", String, queue_size=2)
+        self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
+
+    def publish(self, status, inputs, path_O, waypoints_O, position_W):
+        """status: dict of voxnav.PlanningManager.status; paths: (k, 3) in frame O."""
+        stamp = rospy.Time.now()
+        self._publish_status(status, inputs.map_frame, stamp, position_W)
+        flags = "-id planning_manager -p " + STATE_COLOURS[status["state"]]
+        line = "%s: %s" % (STATE_NAMES[status["state"]], status["reason"])
+        self._display.publish(String(data=flags + line[:MAX_LINE]))
+        if self._markers.get_num_connections() == 0:
+            return
+        O, W = inputs.odometry_frame, inputs.map_frame
+        goal = status["goal_W"]
+        self._markers.publish(MarkerArray(markers=[
+            marker(O, stamp, "trajectory", Marker.LINE_STRIP, (0.1, 0.9, 0.2, 1.0), 0.12, points_of(path_O)),
+            marker(O, stamp, "plan", Marker.LINE_STRIP, (1.0, 0.8, 0.1, 0.8), 0.06, points_of(waypoints_O)),
+            marker(W, stamp, "goal", Marker.SPHERE, (0.9, 0.2, 0.2, 0.9), 0.8,
+                   () if goal is None else points_of(np.array([goal]))),
+        ]))
+
+    def _publish_status(self, status, frame, stamp, position_W):
+        out = PlannerStatus(state=status["state"], reason=status["reason"], plan_status=status["plan_status"],
+                            is_goal_reached=status["is_goal_reached"])
+        out.header.frame_id, out.header.stamp = frame, stamp
+        for name in ("expansions", "plan_s", "num_plans", "num_trajectories", "num_shortened", "num_hovers"):
+            setattr(out, name, status[name])
+        goal = status["goal_W"]
+        out.has_goal = goal is not None
+        if goal is not None:
+            out.goal = Point(*(float(x) for x in goal))
+        if goal is not None and position_W is not None:
+            out.goal_distance_m = float(np.linalg.norm(goal - position_W))
+        self._status.publish(out)
