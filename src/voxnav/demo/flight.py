@@ -9,8 +9,6 @@ import time
 from voxnav.demo import processes, summary
 from voxnav.demo.record import FlightRecord
 
-WALL_LIMIT_S = 600.0
-
 
 def arguments(argv):
     parser = argparse.ArgumentParser(description=__doc__)
@@ -21,36 +19,6 @@ def arguments(argv):
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second")
     parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
     return parser.parse_args(argv)
-
-
-def fly(args, env, record):
-    """The mission itself; whatever stops it ends up in record.reason."""
-    os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
-    import rospy
-
-    from voxnav.demo import mission
-    from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
-
-    deadline = time.monotonic() + 30.0
-    while not _master_is_up(env["ROS_MASTER_URI"]) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    rospy.init_node("demo", argv=["demo", "__ns:=/uav1"], disable_signals=True)
-    recorder = FlightRecorder(record)
-    try:
-        mission.run(recorder, args.world)
-    except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
-        record.reason = str(error)
-    recorder.finish()
-
-
-def _master_is_up(uri):
-    import xmlrpc.client
-
-    try:
-        xmlrpc.client.ServerProxy(uri).getPid("/demo")
-        return True
-    except (OSError, xmlrpc.client.Error):
-        return False
 
 
 def rviz_picture(env, config, path):
@@ -82,7 +50,10 @@ def main(argv=None):
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     launched, env = processes.launch("simulation.launch", launch_args, log)
     try:
-        fly(args, env, record)
+        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
+        from voxnav.nodes import demo_mission  # needs the master's address in the environment
+
+        demo_mission.fly(record, args.world)
         notes = _pictures(args, env, record)
     finally:
         launched.stop()

@@ -6,9 +6,6 @@ import os
 import numpy as np
 import yaml
 
-TAKE_OFF_LIMIT_S = 60.0
-FLIGHT_LIMIT_S = 420.0
-
 
 def repository_file(name):
     """Path of a file of this repository (development checkout or installed package)."""
@@ -53,10 +50,3 @@ def trunks(world, seed):
     world = simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
     return np.vstack([_circles(world.trunks()), _circles(world.poles())])
 
-
-def run(recorder, world):
-    """Fly it. Raises MissionError when something refuses or takes too long."""
-    recorder.wait_for_nodes(90.0)
-    recorder.take_off(TAKE_OFF_LIMIT_S)
-    recorder.fly_to("voxnav_map", goal_of(world), FLIGHT_LIMIT_S)
-    recorder.optimise(10.0)

@@ -101,7 +101,13 @@ class FlightRecorder:
 
     def take_off(self, timeout_s):
         rospy.wait_for_service("uav_manager/takeoff", timeout_s)
-        response = rospy.ServiceProxy("uav_manager/takeoff", Trigger)()
+        take_off = rospy.ServiceProxy("uav_manager/takeoff", Trigger)
+        deadline = time.monotonic() + timeout_s
+        response = take_off()
+        # Refused while nodes that lock-step waits for are still starting.
+        while not response.success and time.monotonic() < deadline:
+            time.sleep(0.5)
+            response = take_off()
         if not response.success:
             raise MissionError("take-off refused: " + response.message)
         self._wait(lambda: self._control is not None and self._control.flying_normally, timeout_s, "take-off")
