@@ -72,7 +72,8 @@ py::object nearest_occupied(const LocalMap& map, const py::object& point, double
 }
 
 void bind_statistics(py::module_& m) {
-  py::class_<TimedStatistics>(m, "InsertStatistics", "What one insertion into a LocalMap did; counts, and wall seconds.")
+  py::class_<TimedStatistics>(m, "InsertStatistics",
+                              "What one insertion into a LocalMap did; counts, and wall seconds.")
       .def_readonly("points", &TimedStatistics::points)
       .def_readonly("rejected_not_finite", &TimedStatistics::rejected_not_finite)
       .def_readonly("rejected_too_near", &TimedStatistics::rejected_too_near, "Zero range included.")
@@ -96,18 +97,19 @@ void bind_content(py::module_& m) {
       .def_property_readonly("num_occupied", &MapContent::num_occupied)
       .def_property_readonly("memory_bytes", &MapContent::memory_bytes)
       .def("merge", &MapContent::merge, py::arg("newer"), "Voxels that `newer` knows replace those of this content.")
-      .def("occupied_points",
-           [](const MapContent& c) {
-             std::vector<float> out;
-             for (const auto& block : c.blocks) {
-               for (const auto& leaf : block.occupied) {
-                 const geometry::Vec3f p = occupancy::surface_point(block.index, leaf, c.resolution_m);
-                 out.insert(out.end(), p.data(), p.data() + 3);
-               }
-             }
-             return array_from(std::move(out), 3);
-           },
-           "(k, 3) float32 mean hit points [m, frame of the map].")
+      .def(
+          "occupied_points",
+          [](const MapContent& c) {
+            std::vector<float> out;
+            for (const auto& block : c.blocks) {
+              for (const auto& leaf : block.occupied) {
+                const geometry::Vec3f p = occupancy::surface_point(block.index, leaf, c.resolution_m);
+                out.insert(out.end(), p.data(), p.data() + 3);
+              }
+            }
+            return array_from(std::move(out), 3);
+          },
+          "(k, 3) float32 mean hit points [m, frame of the map].")
       .def("to_bytes", [](const MapContent& c) { return py::bytes(c.to_bytes()); })
       .def_static("from_bytes", &MapContent::from_bytes, py::arg("bytes"));
 }
@@ -118,39 +120,44 @@ void bind_queries(py::class_<LocalMap>& cls) {
       .def("corridor_state", &corridor_state, py::arg("a_W"), py::arg("b_W"), py::arg("radius_m"),
            "Worst state (occupied, unknown, free in this order) of all voxels that a ball of radius_m touches between\n"
            "two points, and the length [m] it gets before the first one that is not free (None if all are free).")
-      .def("box_state",
-           [](const LocalMap& map, const py::object& low, const py::object& high) {
-             return static_cast<int>(map.box_state({vec3_of(low, "min_W"), vec3_of(high, "max_W")}));
-           },
-           py::arg("min_W"), py::arg("max_W"), "Worst state of all voxels that an axis-aligned box touches.")
-      .def("ray_cast",
-           [](const LocalMap& map, const py::object& a, const py::object& b, bool pass_unknown) {
-             const auto found = map.ray_cast(vec3_of(a, "a_W"), vec3_of(b, "b_W"), pass_unknown);
-             return py::make_tuple(static_cast<int>(found.state), found.range_m);
-           },
-           py::arg("a_W"), py::arg("b_W"), py::arg("pass_unknown") = false,
-           "(state, range [m]) of the first voxel from a to b that is occupied, or unknown unless those may be passed.")
+      .def(
+          "box_state",
+          [](const LocalMap& map, const py::object& low, const py::object& high) {
+            return static_cast<int>(map.box_state({vec3_of(low, "min_W"), vec3_of(high, "max_W")}));
+          },
+          py::arg("min_W"), py::arg("max_W"), "Worst state of all voxels that an axis-aligned box touches.")
+      .def(
+          "ray_cast",
+          [](const LocalMap& map, const py::object& a, const py::object& b, bool pass_unknown) {
+            const auto found = map.ray_cast(vec3_of(a, "a_W"), vec3_of(b, "b_W"), pass_unknown);
+            return py::make_tuple(static_cast<int>(found.state), found.range_m);
+          },
+          py::arg("a_W"), py::arg("b_W"), py::arg("pass_unknown") = false,
+          "(state, range [m]) of the first voxel from a to b that is occupied, or unknown unless those may be passed.")
       .def("nearest_occupied", &nearest_occupied, py::arg("point_W"), py::arg("max_distance_m"),
            "((x, y, z), distance [m]) of the nearest mean hit point of an occupied voxel, None if there is none.");
 }
 
 void bind_outputs(py::class_<LocalMap>& cls) {
-  cls.def("occupied_points", [](const LocalMap& m) { return array_from(m.occupied_points(), 3); },
-          "(k, 3) float32 mean hit point of every occupied voxel [m].")
-      .def("occupied_centers",
-           [](const LocalMap& m, double threshold) { return array_from(m.centers_above(threshold), 3); },
-           py::arg("threshold") = 0.8, "(k, 3) float32 centres of voxels above the probability.")
-      .def("free_centers",
-           [](const LocalMap& m, double threshold) { return array_from(m.centers_below(threshold), 3); },
-           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
+  cls.def(
+         "occupied_points", [](const LocalMap& m) { return array_from(m.occupied_points(), 3); },
+         "(k, 3) float32 mean hit point of every occupied voxel [m].")
+      .def(
+          "occupied_centers",
+          [](const LocalMap& m, double threshold) { return array_from(m.centers_above(threshold), 3); },
+          py::arg("threshold") = 0.8, "(k, 3) float32 centres of voxels above the probability.")
+      .def(
+          "free_centers", [](const LocalMap& m, double threshold) { return array_from(m.centers_below(threshold), 3); },
+          py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
       .def("take_evicted", &LocalMap::take_evicted, "What left the window since the last call, as MapContent.")
       .def("to_bytes", [](const LocalMap& m) { return py::bytes(m.to_bytes()); })
       .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))
       .def("save", &LocalMap::save, py::arg("path"))
       .def_static("load", &LocalMap::load, py::arg("path"))
-      .def("save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
-           py::arg("path"), "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).");
+      .def(
+          "save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
+          py::arg("path"), "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).");
 }
 
 }  // namespace
@@ -165,11 +172,13 @@ void bind_occupancy(py::module_& m) {
            "Moves the window to the sensor and inserts one scan.\n\n"
            "points_L: (n, 3) or (n, 4) float32 [m, sensor frame]; T_W_L: (4, 4) float64; no_return_directions: (m, 3)\n"
            "float32 of beams that returned nothing. Raises ValueError on other shapes and types.")
-      .def("mark_free", [](LocalMap& map, const py::object& center, double radius_m) {
-             return map.mark_free(vec3_of(center, "center_W"), radius_m);
-           },
-           py::arg("center_W"), py::arg("radius_m"),
-           "Voxels with centres inside the ball become free unless occupied. Returns how many became free.")
+      .def(
+          "mark_free",
+          [](LocalMap& map, const py::object& center, double radius_m) {
+            return map.mark_free(vec3_of(center, "center_W"), radius_m);
+          },
+          py::arg("center_W"), py::arg("radius_m"),
+          "Voxels with centres inside the ball become free unless occupied. Returns how many became free.")
       .def("clear", &LocalMap::clear)
       .def("set_thresholds", &LocalMap::set_thresholds, py::arg("free_threshold"), py::arg("occupied_threshold"))
       .def_property_readonly("config", &LocalMap::config)

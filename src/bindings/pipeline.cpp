@@ -2,12 +2,14 @@
 #include "floors.hpp"
 #include "offline_config.hpp"
 #include "planning_manager.hpp"
+#include "submap_scheduler.hpp"
 
 namespace voxnav::bindings {
 
 void bind_pipeline(pybind11::module_& m) {
   bind_planning_manager(m);
   bind_offline_config(m);
+  bind_submap_scheduler(m);
 }
 
 }  // namespace voxnav::bindings

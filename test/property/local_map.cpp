@@ -35,7 +35,9 @@ LocalMap flown_map(unsigned seed) {
 
 int badness(State state) { return state == State::kOccupied ? 2 : state == State::kUnknown ? 1 : 0; }
 
-State brute_state(const LocalMap& map, const Index3& voxel) { return map.state(geometry::center_of(voxel, kResolution)); }
+State brute_state(const LocalMap& map, const Index3& voxel) {
+  return map.state(geometry::center_of(voxel, kResolution));
+}
 
 template <class F>
 void for_voxels(const Vec3& low, const Vec3& high, F f) {
@@ -74,7 +76,8 @@ TEST(LocalMapProperty, InnerNodesEqualBruteForce) {
         std::vector<int> highest(side * side * side, 0);
         std::vector<int> flags(side * side * side, 0);
         for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-          const int node = (((offset >> 8) >> level) * side + (((offset >> 4) & 15) >> level)) * side + ((offset & 15) >> level);
+          const int node =
+              (((offset >> 8) >> level) * side + (((offset >> 4) & 15) >> level)) * side + ((offset & 15) >> level);
           highest[node] = std::max<int>(highest[node], block->log_odds[offset]);
           flags[node] |= 1 << static_cast<int>(map.levels().of(block->log_odds[offset]));
         }
@@ -150,7 +153,8 @@ TEST(LocalMapProperty, BoxNearestAndRayEqualBruteForce) {
     const Vec3 b = random_near(map, &rng, 9.0);
     const auto ray = map.ray_cast(a, b, false);
     const double length = (b - a).norm();
-    for (double s = 0.0; s < ray.range_m - 1e-6; s += 0.01) ASSERT_EQ(map.state(a + (b - a) * (s / length)), State::kFree);
+    for (double s = 0.0; s < ray.range_m - 1e-6; s += 0.01)
+      ASSERT_EQ(map.state(a + (b - a) * (s / length)), State::kFree);
     if (ray.range_m + 1e-6 >= length) continue;
     EXPECT_EQ(map.state(a + (b - a) * ((ray.range_m + 1e-6) / length)), ray.state);
   }

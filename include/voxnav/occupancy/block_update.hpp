@@ -11,7 +11,7 @@ namespace voxnav::occupancy {
 /// All that one scan says about one block. Null members say nothing.
 struct BlockEvidence {
   const RayMarker::Row* rows = nullptr;  ///< 64 of them
-  const VoxelBits* through = nullptr;  ///< voxels with earlier hits that rays went through
+  const VoxelBits* through = nullptr;    ///< voxels with earlier hits that rays went through
   const HitVoxel* hits_begin = nullptr;
   const HitVoxel* hits_end = nullptr;
 };

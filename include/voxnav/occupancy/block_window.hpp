@@ -27,7 +27,7 @@ class BlockWindow {
 
   struct Move {
     bool moved = false;
-    bool jumped = false;  ///< the new box shares nothing with the old one
+    bool jumped = false;                ///< the new box shares nothing with the old one
     std::vector<EvictedBlock> evicted;  ///< sorted by index
   };
   /// Puts the middle block under `center` once that is more than a quarter block outside it.

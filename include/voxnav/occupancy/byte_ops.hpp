@@ -52,8 +52,8 @@ inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, std::u
   for (int i = 0; i < 64; i += 16) {
     const auto part = static_cast<unsigned>((mask >> i) & 0xFFFFu);
     if (part == 0) continue;
-    const __m128i spread = _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(part & 0xFFu)),
-                                              _mm_set1_epi8(static_cast<char>(part >> 8)));
+    const __m128i spread =
+        _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(part & 0xFFu)), _mm_set1_epi8(static_cast<char>(part >> 8)));
     const __m128i selected = _mm_cmpeq_epi8(_mm_and_si128(spread, bit_of_byte), bit_of_byte);
     auto* at = reinterpret_cast<__m128i*>(cells + i);
     const __m128i before = _mm_loadu_si128(at);

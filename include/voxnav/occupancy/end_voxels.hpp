@@ -11,9 +11,9 @@ namespace voxnav::occupancy {
 
 /// One voxel in which beams of the present scan ended.
 struct HitVoxel {
-  std::uint32_t slot;      ///< of the block in the window
-  std::uint16_t offset;    ///< in the block
-  geometry::Vec3f mean;    ///< of the end points, from the voxel centre, voxel edges
+  std::uint32_t slot;    ///< of the block in the window
+  std::uint16_t offset;  ///< in the block
+  geometry::Vec3f mean;  ///< of the end points, from the voxel centre, voxel edges
 };
 
 /// Sorts the beams of one scan into their end voxels, so that each voxel is hit once and one ray is cast for it.
@@ -33,7 +33,9 @@ class EndVoxels {
   const std::vector<HitVoxel>& hits() const { return hits_; }
   const std::vector<geometry::Vec3f>& clearing_ends() const { return clearing_ends_; }
   /// Null when nothing ended in the block.
-  const VoxelBits* hit_bits(std::uint32_t slot) const { return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits; }
+  const VoxelBits* hit_bits(std::uint32_t slot) const {
+    return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits;
+  }
   struct Range {
     std::size_t begin;
     std::size_t end;

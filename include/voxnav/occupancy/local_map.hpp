@@ -21,16 +21,16 @@ namespace voxnav::occupancy {
 struct InsertStatistics {
   std::size_t points = 0;
   std::size_t rejected_not_finite = 0;
-  std::size_t rejected_too_near = 0;     ///< zero range included
-  std::size_t far = 0;                   ///< beyond max_range_m: no hit
-  std::size_t outside_window = 0;        ///< within range but above or below the window: no hit
+  std::size_t rejected_too_near = 0;  ///< zero range included
+  std::size_t far = 0;                ///< beyond max_range_m: no hit
+  std::size_t outside_window = 0;     ///< within range but above or below the window: no hit
   std::size_t cells_hit = 0;
   std::size_t cells_missed = 0;
-  std::size_t cells_occupied = 0;        ///< became occupied
-  std::size_t cells_freed = 0;           ///< became free
-  std::size_t cells_evicted = 0;         ///< known voxels that left the window
+  std::size_t cells_occupied = 0;  ///< became occupied
+  std::size_t cells_freed = 0;     ///< became free
+  std::size_t cells_evicted = 0;   ///< known voxels that left the window
   std::size_t blocks_evicted = 0;
-  bool window_cleared = false;           ///< the pose jumped beyond the window
+  bool window_cleared = false;  ///< the pose jumped beyond the window
 };
 
 /// Worst state (occupied, unknown, free in this order) of all voxels that a body of the given radius touches on
@@ -90,7 +90,8 @@ class LocalMap {
   MapContent take_evicted();
   std::size_t num_evicted_pending() const { return evicted_.size(); }
   std::size_t num_evicted_dropped() const { return evicted_dropped_; }
-  /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were given up.
+  /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were
+  /// given up.
   containers::GridUpdate take_changes();
   containers::GridUpdate snapshot() const;
 
@@ -129,7 +130,7 @@ class LocalMap {
   EndVoxels ends_;
   std::vector<geometry::Vec3f> no_return_ends_;
   ScanBox box_;
-  std::vector<RayMarker> markers_;  ///< one per thread; results are merged into the first
+  std::vector<RayMarker> markers_;              ///< one per thread; results are merged into the first
   std::map<std::uint32_t, VoxelBits> through_;  ///< per slot: voxels with hits that rays went through in this scan
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;

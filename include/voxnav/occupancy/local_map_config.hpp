@@ -45,7 +45,8 @@ struct LocalMapConfig {
     v("prob_clamp_max", &C::prob_clamp_max, in(0.51, 0.999), "", "a voxel never gets more occupied than this");
     v("occupied_threshold", &C::occupied_threshold, in(0.5, 0.99), "", "occupied above, not at, this probability");
     v("free_threshold", &C::free_threshold, in(0.01, 0.5), "", "free below, not at, this probability");
-    v("clear_beyond_range", &C::clear_beyond_range, base::any(), "", "points beyond max_range_m clear the ray up to it");
+    v("clear_beyond_range", &C::clear_beyond_range, base::any(), "",
+      "points beyond max_range_m clear the ray up to it");
     v("no_return_range_m", &C::no_return_range_m, in(0.0, 1000.0), "m",
       "beams without return clear this far (they may be dark, not empty), never an occupied voxel");
     v("guard_distance_voxels", &C::guard_distance_voxels, in(0.0, 1.0), "voxel",

@@ -32,8 +32,8 @@ struct LogOddsScale {
 
 /// Levels that separate the three states; both thresholds themselves are unknown.
 struct StateLevels {
-  int free_max = -1;           ///< free up to and including this level
-  int occupied_min = 256;      ///< occupied from this level on
+  int free_max = -1;       ///< free up to and including this level
+  int occupied_min = 256;  ///< occupied from this level on
 
   StateLevels() = default;
   StateLevels(const LogOddsScale& scale, double free_threshold, double occupied_threshold)

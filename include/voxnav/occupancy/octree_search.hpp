@@ -18,7 +18,8 @@ void search_node(const OctreeBlock& block, const geometry::Index3& block_index, 
                  double resolution_m, const StateLevels& levels, Visitor* visitor, const LeafVisit& visit_leaf) {
   const int side = 1 << level;
   const double half_edge = 0.5 * side * resolution_m;
-  const geometry::Vec3 low(block_index.x * geometry::kBlockSide + x * side, block_index.y * geometry::kBlockSide + y * side,
+  const geometry::Vec3 low(block_index.x * geometry::kBlockSide + x * side,
+                           block_index.y * geometry::kBlockSide + y * side,
                            block_index.z * geometry::kBlockSide + z * side);
   const geometry::Vec3 center = low * resolution_m + geometry::Vec3::Constant(half_edge);
   if (level == 0) {
@@ -65,8 +66,9 @@ void search_octree(const BlockWindow& window, double resolution_m, const StateLe
       if (visitor->enter(center, half_edge, kContainsUnknown)) visitor->leaf(center, half_edge, kContainsUnknown);
       return;
     }
-    detail::search_node(*block, index, OctreeBlock::kLevels, 0, 0, 0, resolution_m, levels, visitor,
-                        [&](int, const geometry::Vec3& c, double h, std::uint8_t flags) { visitor->leaf(c, h, flags); });
+    detail::search_node(
+        *block, index, OctreeBlock::kLevels, 0, 0, 0, resolution_m, levels, visitor,
+        [&](int, const geometry::Vec3& c, double h, std::uint8_t flags) { visitor->leaf(c, h, flags); });
   });
 }
 

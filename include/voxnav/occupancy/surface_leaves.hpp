@@ -21,9 +21,7 @@ struct SurfaceLeaf {
 
   static constexpr float kMeanUnits = 32000.0f;
   /// Mean hit point from the voxel centre, in voxel edges.
-  geometry::Vec3f offset() const {
-    return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits);
-  }
+  geometry::Vec3f offset() const { return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits); }
   /// Adds the mean of one scan's hits (from the voxel centre, voxel edges). Scans weigh alike up to kMemory of
   /// them; after that old ones fade, so that the mean follows a surface that moves.
   void add_scan(const geometry::Vec3f& offset);

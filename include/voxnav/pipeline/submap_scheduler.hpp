@@ -8,7 +8,7 @@
 
 #include "voxnav/base/config.hpp"
 #include "voxnav/geometry/pose.hpp"
-#include "voxnav/occupancy/map_content.hpp"
+#include "voxnav/occupancy/local_map.hpp"
 
 namespace voxnav::pipeline {
 
@@ -25,7 +25,8 @@ struct SubmapSchedulerConfig {
     using base::in;
     v("period_s", &C::period_s, in(0.1, 3600.0), "s", "a submap closes after this time");
     v("max_distance_m", &C::max_distance_m, in(0.1, 10000.0), "m", "or after this way travelled");
-    v("min_period_s", &C::min_period_s, in(0.0, 3600.0), "s", "trouble closes a submap only if it is at least this old");
+    v("min_period_s", &C::min_period_s, in(0.0, 3600.0), "s",
+      "trouble closes a submap only if it is at least this old");
     v("max_poses", &C::max_poses, in(4, 1.0e6), "", "poses kept per submap; when full every other one is dropped");
     v("max_early_blocks", &C::max_early_blocks, in(1, 1.0e6), "",
       "blocks that left the window are handed over early once there are more of them");
@@ -35,13 +36,13 @@ struct SubmapSchedulerConfig {
 /// What the local map hands to the global map (msg/Handover.msg).
 struct Handover {
   std::uint32_t submap_id = 0;
-  bool is_final = true;                      ///< false: early content of a submap that is still open
-  std::string reason;                        ///< time, distance, estimator, odometry, window, shutdown
-  base::StampNs start_ns = 0;                ///< first scan inside
-  base::StampNs stamp_ns = 0;                ///< newest scan inside
+  bool is_final = true;                               ///< false: early content of a submap that is still open
+  std::string reason;                                 ///< time, distance, estimator, odometry, window, shutdown
+  base::StampNs start_ns = 0;                         ///< first scan inside
+  base::StampNs stamp_ns = 0;                         ///< newest scan inside
   geometry::Pose T_O_S = geometry::Pose::Identity();  ///< gravity-aligned
-  std::vector<geometry::StampedPose> poses;  ///< T_S_B, rising stamps
-  occupancy::MapContent content;             ///< frame O
+  std::vector<geometry::StampedPose> poses;           ///< T_S_B, rising stamps
+  occupancy::MapContent content;                      ///< frame O
 };
 
 /// Decides when a submap closes and gathers what belongs to it. A submap opens with the first scan after the last
@@ -57,6 +58,13 @@ class SubmapScheduler {
   void request_close(const std::string& reason);
   /// Content that left the window while the submap is open.
   void add_evicted(const occupancy::MapContent& content);
+
+  /// The two steps above with a map, as nodes and the offline runner use them: takes what left its window, and closes
+  /// over its content when due. Call after each insertion.
+  /// @return what is to be handed over now, oldest first
+  std::vector<Handover> add_scan(occupancy::LocalMap* map, base::StampNs stamp_ns, const geometry::Pose& T_O_B);
+  /// Closes what is open, at the end of a run, before the map is cleared, or after it was.
+  std::vector<Handover> finish(occupancy::LocalMap* map, const std::string& reason);
 
   bool is_open() const { return !poses_.empty(); }
   std::uint32_t submap_id() const { return submap_id_; }

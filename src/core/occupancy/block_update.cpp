@@ -65,7 +65,8 @@ void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOdds
 }
 
 /// New hits get a leaf; a leaf goes when its voxel is free and rays went through where its hits were.
-void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const StateLevels& levels) {
+void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits,
+                   const StateLevels& levels) {
   VoxelBits bits = block->leaves.bits();
   std::size_t leaves = 0;
   for (int word = 0; word < 64; ++word) {
@@ -91,7 +92,8 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
   Applied applied;
   apply_misses(block, evidence, hits, scale, levels, &applied);
   apply_hits(block, evidence, scale, levels, &applied);
-  if (evidence.hits_begin != evidence.hits_end || evidence.through != nullptr) update_leaves(block, evidence, hits, levels);
+  if (evidence.hits_begin != evidence.hits_end || evidence.through != nullptr)
+    update_leaves(block, evidence, hits, levels);
   block->changed = block->changed || applied.any_state_changed;
   // Most blocks are free space at the lower clamp, where a miss changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {

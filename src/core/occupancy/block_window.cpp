@@ -64,8 +64,8 @@ BlockWindow::Move BlockWindow::recenter(const geometry::Vec3& center) {
   if (middle == old_middle) return move;
   const geometry::Index3 shift = middle - old_middle;
   move.moved = true;
-  move.jumped = std::abs(shift.x) >= num_blocks_[0] || std::abs(shift.y) >= num_blocks_[1] ||
-                std::abs(shift.z) >= num_blocks_[2];
+  move.jumped =
+      std::abs(shift.x) >= num_blocks_[0] || std::abs(shift.y) >= num_blocks_[1] || std::abs(shift.z) >= num_blocks_[2];
   std::vector<std::unique_ptr<OctreeBlock>> old(slots_.size());
   old.swap(slots_);
   std::vector<geometry::Index3> indices(old.size());

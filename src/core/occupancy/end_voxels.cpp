@@ -40,8 +40,7 @@ void EndVoxels::add_hit(const geometry::Vec3& end) {
 }
 
 void EndVoxels::add_clearing(const geometry::Vec3& end) {
-  const Address address =
-      address_of(static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z()));
+  const Address address = address_of(static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z()));
   std::uint64_t& word = blocks_[address.block].clearing[address.offset >> 6];
   const std::uint64_t bit = std::uint64_t{1} << (address.offset & 63);
   if ((word & bit) == 0) clearing_ends_.push_back(end.cast<float>());
@@ -102,8 +101,8 @@ geometry::Vec3f EndVoxels::center_of(const HitVoxel& hit) const {
 
 std::size_t EndVoxels::memory_bytes() const {
   return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
-         points_.capacity() * sizeof(EndPoint) + sums_.capacity() * sizeof(Sum) +
-         hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f);
+         points_.capacity() * sizeof(EndPoint) + sums_.capacity() * sizeof(Sum) + hits_.capacity() * sizeof(HitVoxel) +
+         clearing_ends_.capacity() * sizeof(geometry::Vec3f);
 }
 
 }  // namespace voxnav::occupancy

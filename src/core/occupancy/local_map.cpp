@@ -155,7 +155,8 @@ void LocalMap::collect_no_returns(const float* directions, std::size_t m, const 
 }
 
 void LocalMap::cast_rays(const geometry::Vec3& origin) {
-  const MissGuard guard{static_cast<float>(config_.guard_distance_voxels), static_cast<float>(config_.guard_end_voxels)};
+  const MissGuard guard{static_cast<float>(config_.guard_distance_voxels),
+                        static_cast<float>(config_.guard_end_voxels)};
   // One block more than the longest ray: the sensor may be anywhere in its own block.
   const int reach = static_cast<int>(std::ceil(config_.max_range_m / block_size(config_))) + 1;
   box_ = ScanBox(window_.num_blocks(), geometry::index_of(origin, geometry::kBlockSide), reach);
@@ -202,7 +203,8 @@ void LocalMap::weigh_crossings() {
 void LocalMap::update_slot(std::uint32_t slot, BlockEvidence evidence, InsertStatistics* statistics) {
   const auto through = through_.find(slot);
   if (through != through_.end()) evidence.through = &through->second;
-  const BlockUpdate done = update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, scale_, levels_);
+  const BlockUpdate done =
+      update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, scale_, levels_);
   statistics->cells_missed += done.missed;
   statistics->cells_freed += done.became_free;
   statistics->cells_occupied += done.became_occupied;
@@ -214,7 +216,8 @@ void LocalMap::update_blocks(InsertStatistics* statistics) {
   for (const std::uint32_t block : markers_[0].touched_blocks()) {
     const std::uint32_t slot = box_.slot_of(block);
     const EndVoxels::Range hits = ends_.range(slot);
-    update_slot(slot, {markers_[0].rows(block), nullptr, ends_.hits().data() + hits.begin, ends_.hits().data() + hits.end},
+    update_slot(slot,
+                {markers_[0].rows(block), nullptr, ends_.hits().data() + hits.begin, ends_.hits().data() + hits.end},
                 statistics);
   }
 }

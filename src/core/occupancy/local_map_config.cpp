@@ -10,7 +10,8 @@ namespace voxnav::occupancy {
 namespace {
 
 /// Leaves are bounded to a quarter of a block's voxels (block_update.cpp).
-constexpr double kBytesPerBlock = sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
+constexpr double kBytesPerBlock =
+    sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
 
 /// Blocks on one side of the middle one, so that the window covers its size wherever the sensor is in the middle.
 double half_blocks(double size_m, double block_m) { return std::ceil(0.5 * size_m / block_m + 0.25); }
@@ -27,14 +28,16 @@ std::array<int, 3> LocalMapConfig::window_blocks() const {
 
 double LocalMapConfig::worst_case_bytes() const {
   double bytes = kBytesPerBlock;
-  for (const double size_m : window_size_m) bytes *= 2.0 * half_blocks(size_m, resolution_m * geometry::kBlockSide) + 1.0;
+  for (const double size_m : window_size_m)
+    bytes *= 2.0 * half_blocks(size_m, resolution_m * geometry::kBlockSide) + 1.0;
   return bytes;
 }
 
 std::vector<std::string> LocalMapConfig::problems() const {
   std::vector<std::string> out;
   if (!(free_threshold < occupied_threshold)) out.push_back("free_threshold must be below occupied_threshold");
-  if (!(prob_clamp_min < free_threshold)) out.push_back("prob_clamp_min must be below free_threshold, or nothing is ever free");
+  if (!(prob_clamp_min < free_threshold))
+    out.push_back("prob_clamp_min must be below free_threshold, or nothing is ever free");
   if (!(prob_clamp_max > occupied_threshold)) {
     out.push_back("prob_clamp_max must be above occupied_threshold, or nothing is ever occupied");
   }

@@ -14,7 +14,8 @@ constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
 constexpr std::uint32_t kVersion = 1;
 
 void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
-  LocalMapConfig::fields([&](const char*, auto member, const base::Rule&, const char*, const char*) { out->put(config.*member); });
+  LocalMapConfig::fields(
+      [&](const char*, auto member, const base::Rule&, const char*, const char*) { out->put(config.*member); });
 }
 
 LocalMapConfig get_config(base::ByteReader* in) {
@@ -42,7 +43,8 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* 
   }
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(block->leaves.bits()[word], [&](int bit) { *block->leaves.find(64 * word + bit) = in->get<SurfaceLeaf>(); });
+    for_each_bit(block->leaves.bits()[word],
+                 [&](int bit) { *block->leaves.find(64 * word + bit) = in->get<SurfaceLeaf>(); });
   }
 }
 

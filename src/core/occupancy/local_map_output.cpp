@@ -48,7 +48,8 @@ std::vector<float> LocalMap::occupied_points() const {
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
       if (block->log_odds[offset] < levels_.occupied_min) continue;
       geometry::Vec3 point = geometry::center_of(geometry::voxel_at(index, offset), config_.resolution_m);
-      if (const SurfaceLeaf* leaf = block->leaves.find(offset)) point += leaf->offset().cast<double>() * config_.resolution_m;
+      if (const SurfaceLeaf* leaf = block->leaves.find(offset))
+        point += leaf->offset().cast<double>() * config_.resolution_m;
       for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<float>(point[axis]));
     }
   }
@@ -136,7 +137,8 @@ void LocalMap::set_thresholds(double free_threshold, double occupied_threshold) 
 }
 
 std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
-  if (!center.allFinite() || !(radius_m >= 0.0)) throw std::invalid_argument("mark_free needs a finite centre and radius");
+  if (!center.allFinite() || !(radius_m >= 0.0))
+    throw std::invalid_argument("mark_free needs a finite centre and radius");
   if (!window_.is_placed()) window_.recenter(center);
   const double reach = std::min(radius_m, config_.max_range_m);
   const geometry::Index3 low = geometry::index_of(center.array() - reach, config_.resolution_m);

@@ -141,7 +141,8 @@ bool LocalMap::is_in_window(const geometry::Vec3& point) const {
 
 CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const {
   require_finite(a, b, config_.resolution_m);
-  if (!(radius_m >= 0.0) || !std::isfinite(radius_m)) throw std::invalid_argument("radius_m must be finite and not negative");
+  if (!(radius_m >= 0.0) || !std::isfinite(radius_m))
+    throw std::invalid_argument("radius_m must be finite and not negative");
   geometry::Aabb box;
   box.extend(a);
   box.extend(b);
@@ -153,7 +154,8 @@ CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::
 
 std::optional<NearestSurface> LocalMap::nearest_occupied(const geometry::Vec3& point, double max_distance_m) const {
   require_finite(point, point, config_.resolution_m);
-  if (!(max_distance_m >= 0.0) || !std::isfinite(max_distance_m)) throw std::invalid_argument("max_distance_m must be finite");
+  if (!(max_distance_m >= 0.0) || !std::isfinite(max_distance_m))
+    throw std::invalid_argument("max_distance_m must be finite");
   NearestSearch search(point, max_distance_m);
   geometry::Aabb box;
   box.extend(point);
@@ -174,7 +176,8 @@ RayCast LocalMap::ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, boo
   geometry::Vec3 next;
   for (int axis = 0; axis < 3; ++axis) {
     const double d = b[axis] - a[axis];
-    next[axis] = d == 0.0 ? std::numeric_limits<double>::infinity() : ((*coordinates[axis] + (d > 0.0 ? 1 : 0)) * v - a[axis]) / d;
+    next[axis] = d == 0.0 ? std::numeric_limits<double>::infinity()
+                          : ((*coordinates[axis] + (d > 0.0 ? 1 : 0)) * v - a[axis]) / d;
   }
   double entered = 0.0;
   for (std::int64_t i = 0; i <= steps; ++i) {

@@ -28,12 +28,13 @@ int count_steps(Number start, Number step, Number low, Number high, Reached reac
 }
 
 template <class Number, class Free, class Occupied>
-Transitions count_all(Number prior, Number hit, Number miss, Number low, Number high, Free is_free, Occupied is_occupied) {
+Transitions count_all(Number prior, Number hit, Number miss, Number low, Number high, Free is_free,
+                      Occupied is_occupied) {
   const auto not_free = [&](Number v) { return !is_free(v); };
   const auto not_occupied = [&](Number v) { return !is_occupied(v); };
-  return {count_steps(prior, hit, low, high, is_occupied),     count_steps(prior, miss, low, high, is_free),
-          count_steps(high, miss, low, high, not_occupied),    count_steps(high, miss, low, high, is_free),
-          count_steps(low, hit, low, high, not_free),          count_steps(low, hit, low, high, is_occupied)};
+  return {count_steps(prior, hit, low, high, is_occupied),  count_steps(prior, miss, low, high, is_free),
+          count_steps(high, miss, low, high, not_occupied), count_steps(high, miss, low, high, is_free),
+          count_steps(low, hit, low, high, not_free),       count_steps(low, hit, low, high, is_occupied)};
 }
 
 LogOddsScale scale_with_hit(const LocalMapConfig& config, int hit) {

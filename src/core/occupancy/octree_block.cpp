@@ -27,8 +27,7 @@ void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
       const std::uint8_t* row = in + (2 * z * Side + 2 * y) * Side;
       std::uint8_t merged[Side];
       for (int x = 0; x < Side; ++x) {
-        merged[x] = combine(combine(row[x], row[x + Side]),
-                            combine(row[x + Side * Side], row[x + Side * Side + Side]));
+        merged[x] = combine(combine(row[x], row[x + Side]), combine(row[x + Side * Side], row[x + Side * Side + Side]));
       }
       for (int x = 0; x < kHalf; ++x) out[(z * kHalf + y) * kHalf + x] = combine(merged[2 * x], merged[2 * x + 1]);
     }

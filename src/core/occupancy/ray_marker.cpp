@@ -32,14 +32,14 @@ struct RayMarker::Line {
   const std::uint32_t* a_parts;
   const std::uint32_t* b_parts;
   const std::uint32_t* c_parts;
-  int a;             ///< voxel of the end
+  int a;  ///< voxel of the end
   int a_step;
-  int num_slabs;     ///< borders crossed on the longest axis
-  std::int64_t b;    ///< of the end
+  int num_slabs;   ///< borders crossed on the longest axis
+  std::int64_t b;  ///< of the end
   std::int64_t c;
   std::int64_t b_border;  ///< at the first border crossed on the longest axis
   std::int64_t c_border;
-  std::int64_t b_slope;   ///< per voxel of the longest axis
+  std::int64_t b_slope;  ///< per voxel of the longest axis
   std::int64_t c_slope;
   std::int64_t b_origin;
   std::int64_t c_origin;
@@ -102,9 +102,12 @@ void RayMarker::walk(const Line& line, Run* run) {
     visit(here + line.b_parts[b_cell] + line.c_parts[c_cell], run);
     if (b_cell != b_end && c_cell != c_end) {
       // Which border comes first: compare the shares of the slab at which they are reached.
-      const auto b_border = static_cast<double>((static_cast<std::int64_t>(std::max(b_cell, b_end)) << kFractionBits) - b);
-      const auto c_border = static_cast<double>((static_cast<std::int64_t>(std::max(c_cell, c_end)) << kFractionBits) - c);
-      const bool b_first = std::abs(b_border * static_cast<double>(c_next - c)) < std::abs(c_border * static_cast<double>(b_next - b));
+      const auto b_border =
+          static_cast<double>((static_cast<std::int64_t>(std::max(b_cell, b_end)) << kFractionBits) - b);
+      const auto c_border =
+          static_cast<double>((static_cast<std::int64_t>(std::max(c_cell, c_end)) << kFractionBits) - c);
+      const bool b_first =
+          std::abs(b_border * static_cast<double>(c_next - c)) < std::abs(c_border * static_cast<double>(b_next - b));
       visit(here + line.b_parts[b_first ? b_end : b_cell] + line.c_parts[b_first ? c_cell : c_end], run);
     }
     visit(here + line.b_parts[b_end] + line.c_parts[c_end], run);
@@ -159,7 +162,8 @@ void RayMarker::cross_surfaces(std::uint32_t row, std::uint64_t bits, const Run&
 void RayMarker::cross_surface(std::uint32_t block, int offset, const Run& run) {
   const geometry::Index3 first = box_->first_voxel(block);
   const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
-  const geometry::Vec3f center(static_cast<float>(first.x + inside.x) + 0.5f, static_cast<float>(first.y + inside.y) + 0.5f,
+  const geometry::Vec3f center(static_cast<float>(first.x + inside.x) + 0.5f,
+                               static_cast<float>(first.y + inside.y) + 0.5f,
                                static_cast<float>(first.z + inside.z) + 0.5f);
   const std::uint32_t slot = box_->slot_of(block);
   const geometry::Vec3f mean = center + window_->at(static_cast<int>(slot))->leaves.find(offset)->offset();
@@ -180,7 +184,8 @@ void RayMarker::cross_surface(std::uint32_t block, int offset, const Run& run) {
 void RayMarker::merge(const RayMarker& other) {
   for (const std::uint32_t block : other.touched_blocks()) {
     touched_[block] = 3;
-    for (std::size_t i = 64 * std::size_t{block}; i < 64 * std::size_t{block} + 64; ++i) rows_[i].passed |= other.rows_[i].passed;
+    for (std::size_t i = 64 * std::size_t{block}; i < 64 * std::size_t{block} + 64; ++i)
+      rows_[i].passed |= other.rows_[i].passed;
   }
   crossings_.insert(crossings_.end(), other.crossings_.begin(), other.crossings_.end());
 }

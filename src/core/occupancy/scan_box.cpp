@@ -34,7 +34,8 @@ geometry::Index3 ScanBox::first_voxel(std::uint32_t block) const {
 
 std::uint32_t ScanBox::slot_of(std::uint32_t block) const {
   const geometry::Index3 voxel = first_voxel(block);
-  return static_cast<std::uint32_t>((voxel.x >> 4) + window_blocks_[0] * ((voxel.y >> 4) + window_blocks_[1] * (voxel.z >> 4)));
+  return static_cast<std::uint32_t>((voxel.x >> 4) +
+                                    window_blocks_[0] * ((voxel.y >> 4) + window_blocks_[1] * (voxel.z >> 4)));
 }
 
 }  // namespace voxnav::occupancy

@@ -17,8 +17,7 @@ void deskew(float* points, const std::uint32_t* time_offsets_ns, std::size_t n, 
   std::array<Eigen::Isometry3f, kDeskewSteps + 1> T_middle_L;
   for (int step = 0; step <= kDeskewSteps; ++step) {
     const double ratio = static_cast<double>(step) / kDeskewSteps;
-    T_middle_L[step] =
-        (T_middle_O * geometry::interpolate(motion.T_O_L_start, motion.T_O_L_end, ratio)).cast<float>();
+    T_middle_L[step] = (T_middle_O * geometry::interpolate(motion.T_O_L_start, motion.T_O_L_end, ratio)).cast<float>();
   }
   for (std::size_t i = 0; i < n; ++i) {
     Eigen::Map<geometry::Vec3f> point(points + i * stride);

@@ -73,6 +73,24 @@ std::optional<Handover> SubmapScheduler::close(const std::string& reason, occupa
   return out;
 }
 
+std::vector<Handover> SubmapScheduler::add_scan(occupancy::LocalMap* map, base::StampNs stamp_ns,
+                                                const geometry::Pose& T_O_B) {
+  std::vector<Handover> out;
+  const std::optional<std::string> reason = add_scan(stamp_ns, T_O_B);
+  add_evicted(map->take_evicted());
+  if (std::optional<Handover> early = take_early()) out.push_back(std::move(*early));
+  if (!reason) return out;
+  if (std::optional<Handover> closed = close(*reason, map->content())) out.push_back(std::move(*closed));
+  return out;
+}
+
+std::vector<Handover> SubmapScheduler::finish(occupancy::LocalMap* map, const std::string& reason) {
+  std::vector<Handover> out;
+  add_evicted(map->take_evicted());
+  if (std::optional<Handover> closed = close(reason, map->content())) out.push_back(std::move(*closed));
+  return out;
+}
+
 void SubmapScheduler::discard() {
   if (is_open()) ++submap_id_;
   poses_.clear();

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/local_map.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "scan_maker.hpp"
+#include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/log_odds.hpp"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "voxnav/occupancy/byte_ops.hpp"
+#include "voxnav/occupancy/log_odds.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using occupancy::LocalMapConfig;

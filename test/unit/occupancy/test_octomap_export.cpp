@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/octomap_export.hpp"
-
 #include <gtest/gtest.h>
 #include <octomap/octomap.h>
 
@@ -9,6 +7,7 @@
 #include <sstream>
 
 #include "scan_maker.hpp"
+#include "voxnav/occupancy/octomap_export.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/deskew.hpp"
-
 #include <gtest/gtest.h>
 
 #include <vector>
+
+#include "voxnav/pipeline/deskew.hpp"
 
 using namespace voxnav;  // NOLINT: test
 

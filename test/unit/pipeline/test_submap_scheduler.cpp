@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/submap_scheduler.hpp"
-
 #include <gtest/gtest.h>
+
+#include "voxnav/pipeline/submap_scheduler.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using pipeline::SubmapScheduler;
@@ -32,7 +32,10 @@ TEST(SubmapScheduler, ClosesOnTimeWithGravityAlignedFrameAndHistory) {
   SubmapScheduler scheduler(SubmapSchedulerConfig{});
   std::optional<std::string> reason;
   int scans = 0;
-  while (!reason) reason = scheduler.add_scan(1000000000LL + 100000000LL * scans++, tilted(0.1 * scans, 0.5));
+  while (!reason) {
+    ++scans;
+    reason = scheduler.add_scan(900000000LL + 100000000LL * scans, tilted(0.1 * scans, 0.5));
+  }
   EXPECT_EQ(*reason, "time");
   EXPECT_EQ(scans, 101);
   const auto handover = scheduler.close(*reason, content_at(0, containers::State::kFree));

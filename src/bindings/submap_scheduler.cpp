@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/pipeline/submap_scheduler.hpp"
+
+#include "arrays.hpp"
+#include "bind_config.hpp"
+#include "submap_scheduler.hpp"
+#include "voxnav/pipeline/deskew.hpp"
+
+namespace voxnav::bindings {
+namespace {
+
+using pipeline::Handover;
+using pipeline::SubmapScheduler;
+using pipeline::SubmapSchedulerConfig;
+
+py::array_t<double> pose_stamps(const Handover& handover) {
+  std::vector<double> out;
+  for (const auto& pose : handover.poses) out.push_back(base::to_seconds(pose.stamp_ns));
+  return array_from(std::move(out), 0);
+}
+
+py::array_t<double> pose_history(const Handover& handover) {
+  const auto n = static_cast<py::ssize_t>(handover.poses.size());
+  py::array_t<double> out(std::vector<py::ssize_t>{n, 4, 4});
+  for (py::ssize_t i = 0; i < n; ++i) {
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(out.mutable_data() + 16 * i) =
+        handover.poses[static_cast<std::size_t>(i)].pose.matrix();
+  }
+  return out;
+}
+
+void bind_handover(py::module_& m) {
+  py::class_<Handover>(m, "Handover", "What the local map hands to the global map when a submap closes.")
+      .def_readonly("submap_id", &Handover::submap_id)
+      .def_readonly("is_final", &Handover::is_final, "False: early content of a submap that is still open.")
+      .def_readonly("reason", &Handover::reason)
+      .def_property_readonly(
+          "start", [](const Handover& h) { return base::to_seconds(h.start_ns); }, "First scan [s].")
+      .def_property_readonly(
+          "stamp", [](const Handover& h) { return base::to_seconds(h.stamp_ns); }, "Newest scan [s].")
+      .def_property_readonly("T_O_S", [](const Handover& h) { return pose_array(h.T_O_S); })
+      .def_property_readonly("pose_stamps", &pose_stamps, "(n,) float64 [s].")
+      .def_property_readonly("T_S_B", &pose_history, "(n, 4, 4) float64 pose history.")
+      .def_readonly("content", &Handover::content, "MapContent in frame O.");
+}
+
+/// Deskewed copy; see pipeline::deskew().
+py::array_t<float> deskew(const py::array& points_L, const py::array& times, const py::array& T_O_L_start,
+                          const py::array& T_O_L_end, double duration_s) {
+  const float* points = data_of<float>(points_L, "points_L", {-1, 3});
+  const py::ssize_t n = points_L.shape(0);
+  const auto* offsets = data_of<std::uint32_t>(times, "time_offsets_ns", {n});
+  if (!(duration_s >= 0.0 && duration_s < 4.0)) throw py::value_error("duration_s must lie in [0, 4)");
+  const pipeline::SweepMotion motion{pose_of(T_O_L_start, "T_O_L_start"), pose_of(T_O_L_end, "T_O_L_end"),
+                                     static_cast<std::uint32_t>(base::from_seconds(duration_s))};
+  std::vector<float> out(points, points + 3 * n);
+  pipeline::deskew(out.data(), offsets, static_cast<std::size_t>(n), 3, motion);
+  return array_from(std::move(out), 3);
+}
+
+}  // namespace
+
+void bind_submap_scheduler(py::module_& m) {
+  bind_config<SubmapSchedulerConfig>(m, "SubmapSchedulerConfig", "When a submap closes.");
+  bind_handover(m);
+  py::class_<SubmapScheduler>(m, "SubmapScheduler", "Decides when a submap closes and gathers what belongs to it.")
+      .def(py::init<const SubmapSchedulerConfig&, std::uint32_t>(), py::arg("config") = SubmapSchedulerConfig{},
+           py::arg("first_id") = 0)
+      .def(
+          "add_scan",
+          [](SubmapScheduler& scheduler, occupancy::LocalMap& map, double stamp, const py::array& T_O_B) {
+            return scheduler.add_scan(&map, base::from_seconds(stamp), pose_of(T_O_B, "T_O_B"));
+          },
+          py::arg("map"), py::arg("stamp"), py::arg("T_O_B"),
+          "Call after each insertion. Returns the list of Handover that are due, oldest first; stamp in seconds.")
+      .def(
+          "finish",
+          [](SubmapScheduler& scheduler, occupancy::LocalMap& map, const std::string& reason) {
+            return scheduler.finish(&map, reason);
+          },
+          py::arg("map"), py::arg("reason") = "shutdown", "Closes the open submap; list of at most one Handover.")
+      .def("request_close", &SubmapScheduler::request_close, py::arg("reason"))
+      .def("discard", &SubmapScheduler::discard)
+      .def_property_readonly("is_open", &SubmapScheduler::is_open)
+      .def_property_readonly("submap_id", &SubmapScheduler::submap_id);
+  m.def("deskew", &deskew, py::arg("points_L"), py::arg("time_offsets_ns"), py::arg("T_O_L_start"),
+        py::arg("T_O_L_end"), py::arg("duration_s"),
+        "(n, 3) float32 points moved to the sensor frame halfway through the sweep; the poses are those at offset 0\n"
+        "and at duration_s.");
+}
+
+}  // namespace voxnav::bindings

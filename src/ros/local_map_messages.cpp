@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "local_map_messages.hpp"
+
+#include <cstring>
+
+#include "voxnav/occupancy/octomap_export.hpp"
+#include "voxnav_ros/conversions.hpp"
+
+namespace voxnav_ros {
+
+voxnav::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::string& odometry_frame) {
+  voxnav::Handover msg;
+  msg.header.frame_id = odometry_frame;
+  msg.header.stamp = to_ros(handover.stamp_ns);
+  msg.submap_id = handover.submap_id;
+  msg.is_final = handover.is_final;
+  msg.reason = handover.reason;
+  msg.start = to_ros(handover.start_ns);
+  msg.T_O_S = to_msg(handover.T_O_S);
+  for (const auto& pose : handover.poses) {
+    msg.pose_stamps.push_back(to_ros(pose.stamp_ns));
+    msg.T_S_B.push_back(to_msg(pose.pose));
+  }
+  const std::string bytes = handover.content.to_bytes();
+  msg.content.assign(bytes.begin(), bytes.end());
+  return msg;
+}
+
+sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& xyz, const std_msgs::Header& header) {
+  sensor_msgs::PointCloud2 msg;
+  msg.header = header;
+  msg.height = 1;
+  msg.width = static_cast<std::uint32_t>(xyz.size() / 3);
+  msg.point_step = 3 * sizeof(float);
+  msg.row_step = msg.width * msg.point_step;
+  msg.is_dense = true;
+  const char* names[] = {"x", "y", "z"};
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    sensor_msgs::PointField field;
+    field.name = names[axis];
+    field.offset = axis * sizeof(float);
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.count = 1;
+    msg.fields.push_back(field);
+  }
+  msg.data.resize(xyz.size() * sizeof(float));
+  if (!xyz.empty()) std::memcpy(msg.data.data(), xyz.data(), msg.data.size());
+  return msg;
+}
+
+octomap_msgs::Octomap octomap_of(const voxnav::occupancy::LocalMap& map, bool is_binary,
+                                 const std_msgs::Header& header) {
+  octomap_msgs::Octomap msg;
+  msg.header = header;
+  msg.binary = is_binary;
+  msg.id = "OcTree";
+  msg.resolution = static_cast<float>(map.config().resolution_m);
+  msg.data = voxnav::occupancy::octomap_message_data(map, is_binary);
+  return msg;
+}
+
+}  // namespace voxnav_ros

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav_ros {
+
+/// What the LocalMapper nodelet needs beside its map and its scheduler.
+struct LocalMapperConfig {
+  std::string odometry_frame = "world_origin";
+  std::string body_frame = "fcu";
+  bool use_deskew = true;
+  double tf_timeout_s = 0.5;
+  int max_pending_scans = 5;
+  double max_jump_m = 10.0;
+  double vehicle_radius_m = 0.8;
+  double snapshot_period_s = 5.0;
+  double occupied_period_s = 10.0;
+  double octomap_period_s = 1.0;
+  bool is_octomap_binary = false;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = LocalMapperConfig;
+    using voxnav::base::any;
+    using voxnav::base::in;
+    v("odometry_frame", &C::odometry_frame, any(), "", "frame O of the map: continuous, may drift");
+    v("body_frame", &C::body_frame, any(), "", "frame B of the UAV");
+    v("use_deskew", &C::use_deskew, any(), "", "undo the motion within a sweep where points carry their time");
+    v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s",
+      "a scan waits so long (wall time) for its pose, then it is dropped");
+    v("max_pending_scans", &C::max_pending_scans, in(1, 100), "", "scans that may wait for their pose");
+    v("max_jump_m", &C::max_jump_m, in(0.1, 10000.0), "m", "a pose that jumps farther between scans clears the map");
+    v("vehicle_radius_m", &C::vehicle_radius_m, in(0.0, 10.0), "m",
+      "around the body voxels are free unless occupied; 0 = off");
+    v("snapshot_period_s", &C::snapshot_period_s, in(0.1, 1000.0), "s", "whole map on ~map_out");
+    v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s", "cloud of occupied voxels on ~occupied_out");
+    v("octomap_period_s", &C::octomap_period_s, in(0.05, 1000.0), "s",
+      "OctoMap on ~octomap_out, while someone listens");
+    v("is_octomap_binary", &C::is_octomap_binary, any(), "", "occupied and free only, instead of probabilities");
+  }
+};
+
+}  // namespace voxnav_ros
