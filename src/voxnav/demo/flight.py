@@ -50,8 +50,8 @@ def main(argv=None):
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     launched, env = processes.launch("simulation.launch", launch_args, log)
     try:
-        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
-        from voxnav.nodes import demo_mission  # needs the master's address in the environment
+        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
+        from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
         demo_mission.fly(record, args.world)
         notes = _pictures(args, env, record)

@@ -44,7 +44,8 @@ def top_view(path, record, trunks=None):
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     axes.set_title("%s, seed %s: %s" % (record.world, record.seed, record.reason))
-    axes.legend(loc="upper left")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left")
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=110, bbox_inches="tight")
     plt.close(figure)

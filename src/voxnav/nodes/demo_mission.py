@@ -31,7 +31,7 @@ def fly(record, world, uav="uav1"):
     recorder = None
     try:
         _wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
-        rospy.init_node("demo", argv=["demo", "__ns:=/" + uav], disable_signals=True)
+        rospy.init_node("demo", disable_signals=True)
         recorder = FlightRecorder(record)
         recorder.wait_for_nodes(NODES_LIMIT_S)
         recorder.take_off(TAKE_OFF_LIMIT_S)

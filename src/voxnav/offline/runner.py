@@ -8,6 +8,7 @@ import numpy as np
 
 import voxnav
 from voxnav.offline.datasets import Imu
+from voxnav.optimizer_session import OptimizerSession, SubmapRecord
 
 
 class Stages:
@@ -34,101 +35,115 @@ class Stages:
 
 
 class OfflineMapper:
-    """One mapping run. ``configs``: dict of configuration objects, see voxnav.offline.configs.
+    """One mapping run. ``configs``: dict of configuration objects by section, see ``voxnav.offline.configs``.
 
     Frames: O is the origin of the poses that come in, B the body; submaps are posed in W, which is O corrected.
+    T_B_L: (4, 4) mount of the LiDAR.
     """
 
-    def __init__(self, configs):
+    def __init__(self, configs, T_B_L):
         self._run = configs["run"]
+        self._submap_config = configs["submap"]
+        self._T_B_L, self._T_L_B = T_B_L, np.linalg.inv(T_B_L)
         self.filter = voxnav.CloudFilter(configs["filter"])
         self.map = voxnav.LocalMap(configs["map"])
         self.scheduler = voxnav.SubmapScheduler(configs["schedule"])
-        self.graph = voxnav.SubmapGraph(configs["graph"])
+        self.session = OptimizerSession(configs["graph"], configs["optimizer"])
         self.collection = voxnav.SubmapCollection(configs["collection"])
-        self.odometry = voxnav.LidarOdometry(configs["odometry"])
-        self._submap_config = configs["submap"]
+        self.odometry = voxnav.LidarOdometry(configs["odometry"], T_B_L=T_B_L)
         self.stages = Stages()
         self.warnings, self.memory = [], []
-        self.stamps, self.odometry_poses = [], []
-        self.counts = {"scans": 0, "scans_without_pose": 0, "points_in": 0, "points_kept": 0, "submaps": 0}
-        self._last = None
+        self.stamps, self.poses = [], []
+        self.counts = {"scans": 0, "scans_without_pose": 0, "points_in": 0, "points_kept": 0, "submaps": 0, "solves": 0}
+        self._early = {}
 
-    def add(self, record, T_B_L):
-        """One record of a dataset: an IMU sample or a scan. T_B_L: (4, 4) mount of the LiDAR."""
+    def add(self, record):
+        """One record of a dataset: an IMU sample or a scan."""
         if isinstance(record, Imu):
-            if self._uses_lidar(None):
-                self.odometry.add_imu(np.array([record.stamp]), record.gyro.reshape(1, 3), record.accel.reshape(1, 3))
-            return
-        self._add_scan(record, T_B_L)
+            self.odometry.add_imu(np.array([record.stamp]), record.gyro.reshape(1, 3), record.accel.reshape(1, 3))
+        else:
+            self._add_scan(record)
 
-    def _uses_lidar(self, pose):
-        source = self._run.pose_source
-        return source == "lidar" or (source == "auto" and pose is None)
+    def finish(self):
+        """Close the open submap and solve once more, with everything."""
+        for handover in self.scheduler.finish(self.map):
+            self._take(handover)
+        with self.stages.time("graph, final solve"):
+            report = self.session.optimize(full=True)
+        self.counts["solves"] += 1
+        self.collection.set_poses(self.session.graph.poses())
+        return report
 
-    def _add_scan(self, scan, T_B_L):
+    def _add_scan(self, scan):
         with self.stages.time("filter"):
             filtered = self._filter(scan)
         self.counts["points_in"] += filtered.total
         self.counts["points_kept"] += filtered.counts["kept"]
-        T_O_L = self._pose(scan, filtered)
-        if T_O_L is None:
+        T_O_B = self._body_pose(scan, filtered)
+        if T_O_B is None:
             self.counts["scans_without_pose"] += 1
+            self.warnings.append("scan %.6f left out: no pose" % scan.stamp)
             return
-        points = np.ascontiguousarray(filtered.points[:, :3])
         with self.stages.time("local map"):
-            self.map.insert(points, T_O_L)
+            self.map.insert(np.ascontiguousarray(filtered.points[:, :3]), T_O_B @ self._T_B_L)
             if self._run.vehicle_radius_m > 0:
-                self.map.mark_free(T_O_L[:3, 3], self._run.vehicle_radius_m)
-        T_O_B = T_O_L @ np.linalg.inv(T_B_L)
+                self.map.mark_free(T_O_B[:3, 3], self._run.vehicle_radius_m)
         with self.stages.time("submap schedule"):
             handovers = self.scheduler.add_scan(self.map, scan.stamp, T_O_B)
         for handover in handovers:
-            self._close(handover)
+            self._take(handover)
         self.stamps.append(scan.stamp)
-        self.odometry_poses.append(T_O_B)
+        self.poses.append(T_O_B)
         self.counts["scans"] += 1
         self._note_memory(scan.stamp)
 
     def _filter(self, scan):
         if scan.raw is not None:
-            layout = voxnav.CloudLayout(scan.raw.height, scan.raw.width, scan.raw.point_step,
-                                        [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields])
+            fields = [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields]
+            layout = voxnav.CloudLayout(scan.raw.height, scan.raw.width, scan.raw.point_step, fields,
+                                        row_step=scan.raw.row_step, is_big_endian=bool(scan.raw.is_bigendian))
             return self.filter.apply_raw(scan.raw.data, layout, scan.stamp)
-        points = scan.points if scan.points.ndim == 3 else scan.points.reshape(1, -1, 4)
-        return self.filter.apply(np.ascontiguousarray(points, dtype=np.float32))
+        return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32))
 
-    def _pose(self, scan, filtered):
-        """T_O_L of the scan, or None when nothing gives one."""
-        if not self._uses_lidar(scan.pose):
-            if scan.pose is None:
-                self.warnings.append("scan %.6f left out: no pose" % scan.stamp)
-            return scan.pose
+    def _body_pose(self, scan, filtered):
+        """T_O_B of the scan, or None when nothing gives one."""
+        source = self._run.pose_source
+        if source == "recording" or (source == "auto" and scan.pose is not None):
+            return None if scan.pose is None else scan.pose @ self._T_L_B
+        times = filtered.time_offsets_ns * 1e-9
         with self.stages.time("odometry"):
-            result = self.odometry.add_cloud(scan.stamp, np.ascontiguousarray(filtered.points), filtered.times)
+            result = self.odometry.add_cloud(scan.stamp + filtered.sweep_start_s, filtered.points,
+                                             times if times.any() else None)
         return result.pose
 
-    def _close(self, handover):
-        """A submap is complete: fill it, put it into the graph, solve."""
+    def _take(self, handover):
+        """A part of a submap, or the last of it: then it is filled and put into the graph, which is solved."""
+        content = handover.content
+        if handover.submap_id in self._early:
+            early = self._early.pop(handover.submap_id)
+            early.merge(content)
+            content = early
         if not handover.is_final:
+            self._early[handover.submap_id] = content
             return
         with self.stages.time("submap fill"):
-            submap = voxnav.Submap.from_content(handover.content, handover.T_O_S, self._submap_config)
-        T_W_S = self.graph.add_odometry_submap(handover.submap_id, handover.T_O_S, submap)
+            submap = voxnav.Submap.from_content(content, np.linalg.inv(handover.T_O_S), self._submap_config)
+        stamps = handover.pose_stamps
         with self.stages.time("graph"):
-            self.graph.optimize()
+            self.session.add_submap(SubmapRecord(handover.submap_id, stamps[0], stamps[-1], handover.T_O_S, stamps,
+                                                 handover.T_S_B), submap)
+            self.session.optimize()
+        poses = self.session.graph.poses()
         with self.stages.time("collection"):
-            self.collection.add(handover, submap, T_W_S)
-            self.collection.set_poses(self.graph.poses())
+            self.collection.add(handover.submap_id, submap, poses[handover.submap_id], stamps[-1])
+            self.collection.set_poses(poses)
         self.counts["submaps"] += 1
+        self.counts["solves"] += 1
 
     def _note_memory(self, stamp):
-        if self.memory and stamp - self.memory[-1]["time_s"] - self.stamps[0] < 1.0:
+        time_s = stamp - self.stamps[0]
+        if self.memory and time_s - self.memory[-1]["time_s"] < 1.0:
             return
-        mega = 1e-6
-        self.memory.append({
-            "time_s": stamp - self.stamps[0],
-            "process_mb": voxnav.process_usage()["rss_bytes"] * mega,
-            "local_map_mb": self.map.memory_bytes * mega,
-            "submaps_mb": self.collection.memory_bytes * mega,
-        })
+        self.memory.append({"time_s": time_s, "process_mb": voxnav.process_usage()["rss_bytes"] * 1e-6,
+                            "local_map_mb": self.map.memory_bytes * 1e-6,
+                            "submaps_mb": self.collection.memory_bytes * 1e-6})

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Configuration of the offline runner: one YAML section per part."""
+
+import voxnav
+
+SECTIONS = {
+    "run": voxnav.OfflineConfig,
+    "filter": voxnav.CloudFilterConfig,
+    "odometry": voxnav.LidarOdometryConfig,
+    "map": voxnav.LocalMapConfig,
+    "schedule": voxnav.SubmapSchedulerConfig,
+    "submap": voxnav.SubmapConfig,
+    "collection": voxnav.SubmapCollectionConfig,
+    "graph": voxnav.SubmapGraphConfig,
+    "optimizer": voxnav.OptimizerConfig,
+}
+
+
+def load_configs(tree):
+    """Configuration objects by section from a dict as YAML gives it.
+
+    Raises voxnav.ConfigError listing every problem of every section; unknown sections are problems too.
+    """
+    problems, configs = [], {}
+    if not isinstance(tree, dict):
+        raise voxnav.ConfigError("the configuration must be a mapping of sections")
+    for name, config_class in SECTIONS.items():
+        values = tree.get(name) or {}
+        if not isinstance(values, dict):
+            problems.append("%s: is a section and needs parameters below it" % name)
+            continue
+        try:
+            configs[name] = config_class.from_dict(values)
+        except voxnav.ConfigError as error:
+            problems += ["%s/%s" % (name, line) for line in str(error).splitlines()]
+    problems += ["%s: unknown section, known are %s" % (key, ", ".join(SECTIONS)) for key in tree if key not in SECTIONS]
+    if problems:
+        raise voxnav.ConfigError("\n".join(problems))
+    return configs
