@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The submap integrator over ROS: handovers and poses in, submaps and obstacles out."""
+
+import os
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Pose
+from mrs_msgs.srv import String
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
+
+import voxnav
+from voxnav.msg import GridUpdate, Handover, NodeDiagnostics, Progress, Submap, SubmapPoses
+from voxnav.srv import GetGrid, GetSubmaps
+
+TIMEOUT_S = 30.0
+VOXEL = 0.4
+
+
+class Received:
+    """Everything that came on one topic."""
+
+    def __init__(self, topic, kind):
+        self.messages = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.messages.append, queue_size=100)
+
+    def wait_for(self, condition):
+        end = time.time() + TIMEOUT_S
+        while time.time() < end:
+            for message in list(self.messages):
+                if condition(message):
+                    return message
+            time.sleep(0.02)
+        return None
+
+
+def content(box=True, left=0):
+    """Ground, and a box on it. `left`: only columns from this one on."""
+    states = np.ones((40, 40, 16), np.int8)
+    states[:, :, 0] = 2
+    if box:
+        states[15:20, 15:20, 1:6] = 2
+    states[:left] = 0
+    return voxnav.map_content_from_array(states, (-8.0, -8.0, 0.0), VOXEL)
+
+
+def pose(x=0.0, y=0.0, z=0.0):
+    out = Pose()
+    out.position.x, out.position.y, out.position.z = x, y, z
+    out.orientation.w = 1.0
+    return out
+
+
+def handover(submap_id, data, is_final=True, stamp=10.0):
+    msg = Handover()
+    msg.header.frame_id = "uav1/odom"
+    msg.header.stamp = rospy.Time.from_sec(stamp)
+    msg.submap_id = submap_id
+    msg.is_final = is_final
+    msg.start = rospy.Time.from_sec(stamp - 10.0)
+    msg.T_O_S = pose(1.0, 2.0, 3.0)
+    msg.pose_stamps = [msg.start]
+    msg.T_S_B = [pose(0.0, 0.0, 2.0)]
+    msg.content = data
+    return msg
+
+
+def grid_of(msg):
+    grid = voxnav.StateGrid(msg.resolution_m)
+    grid.apply_update(msg.block_indices, msg.states, msg.removed_block_indices, True)
+    return grid
+
+
+class SubmapIntegratorTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        node = "submap_integrator/"
+        cls.submaps = Received(node + "submap_out", Submap)
+        cls.obstacles = Received(node + "obstacles_out", GridUpdate)
+        cls.markers = Received(node + "occupancy_markers_out", MarkerArray)
+        cls.cloud = Received(node + "obstacle_cloud_out", PointCloud2)
+        cls.mesh = Received(node + "mesh_out", Marker)
+        cls.slice = Received(node + "slice_out", PointCloud2)
+        cls.progress = Received("progress", Progress)
+        cls.diagnostics = Received(node + "diagnostics_out", NodeDiagnostics)
+        cls.handover = rospy.Publisher(node + "handover_in", Handover, queue_size=10)
+        cls.poses = rospy.Publisher(node + "submap_poses_in", SubmapPoses, queue_size=10)
+        for service in ("get_obstacles_in", "get_submaps_in", "save_in", "load_in"):
+            rospy.wait_for_service(node + service, TIMEOUT_S)
+        cls.get_obstacles = rospy.ServiceProxy(node + "get_obstacles_in", GetGrid)
+        cls.get_submaps = rospy.ServiceProxy(node + "get_submaps_in", GetSubmaps)
+        cls.save = rospy.ServiceProxy(node + "save_in", String)
+        cls.load = rospy.ServiceProxy(node + "load_in", String)
+        end = time.time() + TIMEOUT_S
+        received = [x for x in vars(cls).values() if isinstance(x, Received)]
+        while time.time() < end and not (
+            cls.handover.get_num_connections()
+            and cls.poses.get_num_connections()
+            and all(x.subscriber.get_num_connections() for x in received)
+        ):
+            time.sleep(0.05)
+
+    def test_1_a_handover_becomes_a_submap_and_obstacles(self):
+        self.handover.publish(handover(1, content(left=20).to_bytes(), is_final=False))
+        self.handover.publish(handover(1, content().to_bytes()))
+        msg = self.submaps.wait_for(lambda m: m.submap_id == 1)
+        self.assertIsNotNone(msg)
+        self.assertEqual(msg.header.frame_id, "uav1/odom")
+        self.assertEqual(len(msg.T_S_B), 1)
+        submap = voxnav.Submap.from_bytes(msg.data)
+        self.assertEqual(len(submap.occupied_points()), content().num_occupied)
+        np.testing.assert_allclose(submap.T_S_G[:3, 3], (-1, -2, -3), atol=1e-9)
+        self.assertIsNotNone(self.obstacles.wait_for(lambda m: not m.is_snapshot and len(m.block_indices) > 0))
+        grid = grid_of(self.get_obstacles().grid)
+        points = np.array([[0.2, 0.2, 3.4], [5.0, 5.0, 5.0], [0.0, 0.0, -8.0]], np.float32)
+        np.testing.assert_array_equal(grid.states(points), (2, 1, 0))
+        self.assertIsNotNone(self.progress.wait_for(lambda m: m.stamp == rospy.Time.from_sec(10.0)))
+
+    def test_2_people_see_it(self):
+        self.assertIsNotNone(self.markers.wait_for(lambda m: sum(len(x.points) for x in m.markers) == content().num_occupied))
+        self.assertIsNotNone(self.cloud.wait_for(lambda m: m.width > 1000))
+        self.assertIsNotNone(self.mesh.wait_for(lambda m: len(m.points) > 1000))
+        self.assertIsNotNone(self.slice.wait_for(lambda m: m.width > 500))
+
+    def test_3_poses_of_the_optimiser_move_the_obstacles(self):
+        msg = SubmapPoses()
+        msg.header.frame_id = "uav1/map"
+        msg.revision = 7
+        msg.submap_ids = [1, 99]
+        msg.T_W_S = [pose(101.0, 2.0, 3.0), pose()]
+        msg.T_W_O = pose(100.0)
+        self.poses.publish(msg)
+        self.assertIsNotNone(self.obstacles.wait_for(lambda m: len(m.removed_block_indices) > 0))
+        response = self.get_obstacles().grid
+        self.assertEqual(response.header.frame_id, "uav1/map")
+        points = np.array([[100.2, 0.2, 3.4], [0.2, 0.2, 3.4]], np.float32)
+        np.testing.assert_array_equal(grid_of(response).states(points), (2, 0))
+
+    def test_4_newer_free_space_removes_the_box_and_the_correction_holds(self):
+        self.handover.publish(handover(2, content(box=False).to_bytes(), stamp=20.0))
+        self.assertIsNotNone(self.submaps.wait_for(lambda m: m.submap_id == 2))
+        self.assertIsNotNone(self.progress.wait_for(lambda m: m.stamp == rospy.Time.from_sec(20.0)))
+        grid = grid_of(self.get_obstacles().grid)
+        points = np.array([[99.0, -1.0, 3.0], [99.0, -1.0, 0.6]], np.float32)
+        np.testing.assert_array_equal(grid.states(points), (1, 2))
+
+    def test_5_broken_input_is_refused_with_a_reason(self):
+        data = content().to_bytes()
+        self.handover.publish(handover(3, data[: len(data) // 2], stamp=30.0))
+        wrong = handover(3, data, stamp=30.0)
+        wrong.T_O_S.orientation.w = float("nan")
+        self.handover.publish(wrong)
+        lengths = SubmapPoses()
+        lengths.submap_ids = [1]
+        self.poses.publish(lengths)
+        self.assertIsNotNone(self.diagnostics.wait_for(lambda m: m.level == NodeDiagnostics.ERROR and "refused" in m.message))
+        self.assertEqual(len(self.get_submaps().submaps), 2)
+
+    def test_6_snapshots_come_by_themselves(self):
+        snapshot = self.obstacles.wait_for(lambda m: m.is_snapshot and len(m.block_indices) > 0)
+        self.assertIsNotNone(snapshot)
+
+    def test_7_saved_and_loaded(self):
+        directory = os.path.join(tempfile.mkdtemp(), "map")
+        before = self.get_obstacles().grid
+        self.assertTrue(self.save(directory).success)
+        response = self.load(directory)
+        self.assertTrue(response.success, response.message)
+        time.sleep(1.0)
+        self.assertEqual(self.get_obstacles().grid.states, before.states)
+        self.assertEqual(len(self.get_submaps().submaps), 2)
+        refused = self.load(directory + "_absent")
+        self.assertFalse(refused.success)
+        self.assertIn("cannot be read", refused.message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("submap_integrator_test")
+    rostest.rosrun("voxnav", "submap_integrator", SubmapIntegratorTest, sys.argv)
