@@ -142,3 +142,20 @@ def test_altitude_limits_hold_in_the_map_frame():
     planner = voxnav.AStarPlanner(config)
     assert planner.plan(nav.view(), (0.2, 0.2, 0.2), (5.0, 0.2, -0.6)).status == "complete"
     assert planner.plan(nav.view(), (0.2, 0.2, 0.2), (5.0, 0.2, -1.8)).status in ("goal_blocked", "outside_map")
+
+
+def test_local_map_and_submap_collection_are_views():
+    local = voxnav.LocalMap(voxnav.LocalMapConfig(resolution_m=0.4, window_size_m=(40, 40, 20), max_range_m=15.0))
+    angles = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+    ring = np.stack([10.0 * np.cos(angles), 10.0 * np.sin(angles)], axis=1)
+    points = np.concatenate([np.c_[ring, np.full(720, z)] for z in np.arange(-3.0, 3.0, 0.15)]).astype(np.float32)
+    for _ in range(5):
+        local.insert(points, np.eye(4))
+    planner = voxnav.AStarPlanner(voxnav.AStarConfig(safety_distance_m=0.8))
+    inside = planner.plan(local, (0.1, 0.1, 0.1), (7.0, 3.0, 0.1))
+    assert inside.status == "complete"
+    through = planner.plan(local, (0.1, 0.1, 0.1), (15.0, 0.1, 0.1))
+    assert through.status != "complete"
+    assert np.linalg.norm(through.path[:, :2], axis=1).max() < 10.0 - 0.8
+    empty = voxnav.SubmapCollection()
+    assert planner.plan(empty, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)).status == "outside_map"

@@ -150,6 +150,20 @@ def test_hover_is_repeated_until_it_is_accepted():
     assert flight.manager.status["goal_W"] is None
 
 
+def test_a_stop_on_the_ground_does_not_wait_for_a_hover_that_nobody_can_fly():
+    flight = FakeFlight(world(), ORIGIN, START)
+    flight.look()
+    flight.tell()
+    flight.fails.add("hover")
+    flight.manager.set_control(flight.now, False, False)
+    flight.do(flight.manager.stop("stopped by the user", flight.now))
+    flight.manager.set_control(flight.now + 1.0, False, False)
+    assert flight.manager.tick(flight.now + 1.0) == []
+    assert flight.manager.set_goal((10.0, 0.0, 0.0), None, flight.now + 1.0) == ""
+    flight.now += 1.0
+    assert flight.fly(30.0, reached), flight.manager.status
+
+
 def test_goal_inside_an_obstacle_ends_near_it_with_a_reason():
     flight = started(world(((18.0, -2.0, -4.0), (20.0, 2.0, 4.0))), (19.0, 0.0, 0.0))
     assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None), flight.manager.status

@@ -164,6 +164,7 @@ void PlanningManager::hover_done(const std::string& problem, double now_s) {
     return;
   }
   hover_sent_s_ = now_s;  // tick() tries again
+  if (hover_wanted_) status_.reason = *hover_wanted_ + "; hover fails: " + problem;
 }
 
 }  // namespace voxnav::pipeline

@@ -2,23 +2,16 @@
 #include "voxnav/pipeline/planning_inputs.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace voxnav::pipeline {
 namespace {
-
-std::string age_text(const char* what, double age_s) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "%s lost (%.1f s old)", what, age_s);
-  return buffer;
-}
 
 template <class T>
 std::optional<std::string> age_problem(const std::optional<Timed<T>>& input, const char* what, double now_s,
                                        double timeout_s) {
   if (!input) return std::string("no ") + what + " yet";
-  const double age_s = now_s - input->stamp_s;
-  if (age_s > timeout_s) return age_text(what, age_s);
+  // Without the age, which would make a new text of every tick.
+  if (now_s - input->stamp_s > timeout_s) return std::string(what) + " lost";
   return std::nullopt;
 }
 

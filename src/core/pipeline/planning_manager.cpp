@@ -88,6 +88,8 @@ Actions PlanningManager::tick(double now_s) {
     hover_sent_s_ = next_plan_s_ = -1e18;
     return lose("clock jumped back", now_s);
   }
+  const bool is_on_ground = inputs_.control && !inputs_.control->value.is_flying;
+  if (hover_wanted_ && is_on_ground) hover_wanted_.reset();  // nobody hovers there
   if (hover_wanted_) {
     return now_s - hover_sent_s_ > kHoverRetry_s ? hover(*hover_wanted_, now_s) : Actions{};
   }

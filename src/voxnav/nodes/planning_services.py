@@ -69,6 +69,7 @@ class ControlServices:
         self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s)
         self._hover = TimedService("~hover_out", Trigger, timeout_s)
         self._input_id = 0
+        self._generated, self._headings = None, []  # newest answer of the generator, if it was asked for headings
 
     def generate(self, action, frame, now_s):
         """(problem, voxnav.Trajectory or None) through the waypoints of a generate action."""
@@ -82,6 +83,8 @@ class ControlServices:
         if answered.header.frame_id not in ("", frame):
             return "answers in frame %s, not %s" % (answered.header.frame_id, frame), None
         points = np.array([(p.position.x, p.position.y, p.position.z) for p in answered.points]).reshape(-1, 3)
+        self._generated = points if answered.use_heading and action.heading_rad is not None else None
+        self._headings = [p.heading for p in answered.points]
         try:
             return "", voxnav.Trajectory(points, answered.dt if answered.dt > 1e-4 else DEFAULT_DT_S)
         except ValueError as error:
@@ -101,11 +104,14 @@ class ControlServices:
         return path
 
     def publish(self, trajectory, frame):
-        """Fly a voxnav.Trajectory at once, in the present heading."""
+        """Fly a voxnav.Trajectory at once; with the generator's headings, or, where it was cut, in the present one."""
         self._input_id += 1
         message = TrajectoryReference(input_id=self._input_id, fly_now=True, dt=trajectory.dt_s)
         message.header.frame_id = frame
-        message.points = [reference(p, 0.0) for p in trajectory.points]
+        points = trajectory.points
+        message.use_heading = self._generated is not None and np.array_equal(points, self._generated)
+        headings = self._headings if message.use_heading else np.zeros(len(points))
+        message.points = [reference(p, heading) for p, heading in zip(points, headings)]
         try:
             response = self._trajectory.call(TrajectoryReferenceSrvRequest(trajectory=message))
         except ServiceError as error:
