@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Searching and corridor checks through the bindings, and the combined map."""
 
+import pathlib
+
 import numpy as np
 import pytest
+import yaml
 
 import voxnav
+
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config" / "planning_manager.yaml"
 
 
 def free_grid(shape=(40, 20, 10), origin=(0.0, 0.0, 0.0), resolution_m=0.4):
@@ -159,3 +164,13 @@ def test_local_map_and_submap_collection_are_views():
     assert np.linalg.norm(through.path[:, :2], axis=1).max() < 10.0 - 0.8
     empty = voxnav.SubmapCollection()
     assert planner.plan(empty, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)).status == "outside_map"
+
+
+def test_shipped_parameters_are_the_defaults():
+    sections = yaml.safe_load(CONFIG.read_text())
+    classes = dict(node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig,
+                   planner=voxnav.FlightSearchConfig, map=voxnav.NavigationMapConfig)
+    assert set(sections) == set(classes)
+    for name, config_class in classes.items():
+        assert config_class.from_dict(sections[name]).to_dict() == config_class().to_dict()
+        assert set(sections[name]) == set(config_class().to_dict()), "the file lists every field"

@@ -12,7 +12,8 @@ struct FlightSearchConfig : planning::AStarConfig {
     timeout_s = 0.6;
     clearance_distance_m = 2.0;
     unknown_policy = "optimistic_far";
-    unknown_cost = 1.5;
+    // More would make the search flood all known space before it enters unknown space.
+    unknown_cost = 1.1;
     optimistic_range_m = 4.0;
     heuristic_weight = 1.2;
     simplify = true;
