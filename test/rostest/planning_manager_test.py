@@ -35,7 +35,8 @@ class FakeUav:
     def __init__(self):
         self.lock = threading.RLock()
         self.position, self.flown = np.array([0.0, 0.0, 3.0]), None
-        self.map_is_alive, self.generator_hangs = True, threading.Event()
+        self.map_is_alive, self.generator_works = True, threading.Event()
+        self.generator_works.set()
         self.num_hovers, self.sequence = 0, 0
         self.grid = voxnav.StateGrid.from_array(np.ones((100, 60, 25), dtype=np.int8), (-8.0, -12.0, 0.0), 0.4)
         pub = rospy.Publisher
@@ -76,8 +77,11 @@ class FakeUav:
             time.sleep(0.05)
             if rospy.is_shutdown():
                 return
-            with self.lock:
-                self.publish(rospy.Time.now(), count)
+            try:
+                with self.lock:
+                    self.publish(rospy.Time.now(), count)
+            except rospy.ROSException:
+                return  # shutting down
 
     def publish(self, now, count):
         before, self.position = self.position, self.position_at(now.to_sec())
@@ -118,7 +122,7 @@ class FakeUav:
         self.constraints.publish(limits)
 
     def serve_path(self, request):
-        self.generator_hangs.wait() if self.generator_hangs_now() else None
+        self.generator_works.wait()
         now = rospy.Time.now().to_sec()
         line = [self.position_at(now)] + [np.array([p.position.x, p.position.y, p.position.z])
                                           for p in request.path.points]
@@ -128,11 +132,6 @@ class FakeUav:
         for s in np.append(np.arange(0.0, arcs[-1], 0.2 * SPEED * 0.8), arcs[-1]):
             out.trajectory.points.append(reference([np.interp(s, arcs, np.array(line)[:, k]) for k in range(3)], 0.0))
         return out
-
-    hangs = False
-
-    def generator_hangs_now(self):
-        return self.hangs
 
     def serve_trajectory(self, request):
         points = np.array([(p.position.x, p.position.y, p.position.z) for p in request.trajectory.points])
@@ -205,14 +204,13 @@ class PlanningManagerTest(unittest.TestCase):
         self.assert_at((-4.0, 0.0, 3.0))
 
     def test_4_a_generator_that_hangs_is_named_and_does_not_hang_the_node(self):
-        self.uav.hangs = True
+        self.uav.generator_works.clear()
         goto = rospy.ServiceProxy(UAV + "planning_manager/goto", Vec4)
         self.assertTrue(goto(Vec4Request(goal=[4.0, 0.0, 3.0, 0.0])).success)
         self.wait(lambda s: "does not answer" in s.reason, 15.0, "a reason")
         self.assertTrue(self.stop().success)
         self.wait(lambda s: not s.has_goal, 5.0, "the stop")
-        self.uav.hangs = False
-        self.uav.generator_hangs.set()
+        self.uav.generator_works.set()
 
     def test_5_a_click_in_rviz_keeps_the_altitude(self):
         publisher = rospy.Publisher(UAV + "planning_manager/goal", PoseStamped, queue_size=1, latch=True)

@@ -16,7 +16,7 @@ namespace {
 AStarConfig raw_config() {
   AStarConfig config;
   config.safety_distance_m = 0.0;
-  config.timeout_s = 10.0;
+  config.timeout_s = 60.0;
   return config;
 }
 
