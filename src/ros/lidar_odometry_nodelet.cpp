@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lidar_odometry_nodelet.hpp"
+
+#include <pluginlib/class_list_macros.hpp>
+
+#include "lidar_odometry_messages.hpp"
+#include "voxnav_ros/cloud_conversions.hpp"
+#include "voxnav_ros/conversions.hpp"
+
+namespace voxnav_ros {
+namespace {
+
+namespace odometry = voxnav::odometry;
+constexpr double kLogPeriod_s = 5.0;
+constexpr std::size_t kMaxWaitingClouds = 3;
+/// IMU samples from before the mounting of the LiDAR is known: enough to find out where up is.
+constexpr std::size_t kMaxEarlySamples = 1000;
+constexpr double kWaitCheck_s = 0.005;
+
+}  // namespace
+
+void LidarOdometryNodelet::initialize() {
+  ros::NodeHandle& nh = getPrivateNodeHandle();
+  ParamLoader params(nh);
+  params.section("odometry", &odometry_config_);
+  params.section("node", &config_);
+  params.finish();
+  voxnav::base::checked(odometry_config_);
+  tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
+  tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
+  odom_ = nh.advertise<nav_msgs::Odometry>("odom_out", 10);
+  quality_ = nh.advertise<voxnav::OdometryQuality>("quality_out", 10);
+  reset_ = nh.advertiseService("reset", &LidarOdometryNodelet::on_reset, this);
+  reset_odom_ = nh.advertiseService("reset_odom", &LidarOdometryNodelet::on_reset_odom, this);
+  points_topic_ = nh.resolveName("points_in");
+  imu_topic_ = nh.resolveName("imu_in");
+  wait_timer_ = nh.createSteadyTimer(ros::WallDuration(kWaitCheck_s), &LidarOdometryNodelet::on_wait, this);
+  imu_ = nh.subscribe("imu_in", 1000, &LidarOdometryNodelet::on_imu, this, ros::TransportHints().tcpNoDelay());
+  points_ = nh.subscribe("points_in", 5, &LidarOdometryNodelet::on_points, this, ros::TransportHints().tcpNoDelay());
+}
+
+std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::string& frame) {
+  std::string why = "frame_id is empty";
+  try {
+    if (!frame.empty()) {
+      const auto transform = tf_buffer_->lookupTransform(config_.body_frame, frame, ros::Time(0)).transform;
+      if (const auto pose = from_msg(transform)) return pose;
+      why = "the transform is not finite";
+    }
+  } catch (const tf2::TransformException& error) {
+    why = error.what();
+  }
+  complain("no transform from '" + frame + "' to '" + config_.body_frame + "': " + why);
+  return std::nullopt;
+}
+
+void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
+  if (!R_B_I_) {
+    const auto T_B_I = mounting(msg->header.frame_id);
+    if (!T_B_I) return;
+    R_B_I_ = T_B_I->linear();
+  }
+  const auto& w = msg->angular_velocity;
+  const auto& a = msg->linear_acceleration;
+  const odometry::ImuSample sample{to_ns(msg->header.stamp), *R_B_I_ * voxnav::geometry::Vec3(w.x, w.y, w.z),
+                                   *R_B_I_ * voxnav::geometry::Vec3(a.x, a.y, a.z)};
+  newest_imu_ns_ = sample.stamp_ns;
+  if (estimator_) {
+    estimator_->add_imu(sample);
+  } else {
+    early_imu_.push_back(sample);
+    if (early_imu_.size() > kMaxEarlySamples) early_imu_.pop_front();
+  }
+  process_ready(false);
+}
+
+void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
+  try {
+    if (!estimator_ && !make_estimator(msg->header.frame_id))
+      return drop(msg->header.stamp, "the LiDAR's mounting is unknown");
+    if (msg->header.frame_id != lidar_frame_) {
+      return drop(msg->header.stamp, "cloud on " + points_topic_ + " is in frame '" + msg->header.frame_id +
+                                         "', the ones before were in '" + lidar_frame_ + "'");
+    }
+    waiting_.push_back({voxnav::cloud::timed_points(view_of(*msg)), msg->header.stamp, ros::SteadyTime::now()});
+  } catch (const std::exception& error) {
+    return drop(msg->header.stamp, "cloud on " + points_topic_ + " refused: " + error.what());
+  }
+  while (waiting_.size() > kMaxWaitingClouds) process_oldest();
+  process_ready(false);
+}
+
+bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
+  const auto T_B_L = mounting(lidar_frame);
+  if (!T_B_L) return false;
+  lidar_frame_ = lidar_frame;
+  estimator_ = std::make_unique<odometry::LidarOdometry>(odometry_config_, *T_B_L);
+  for (const odometry::ImuSample& sample : early_imu_) estimator_->add_imu(sample);
+  early_imu_.clear();
+  return true;
+}
+
+bool LidarOdometryNodelet::has_imu_for(const WaitingCloud& cloud) const {
+  if (!odometry_config_.use_imu || newest_imu_ns_ == 0) return true;
+  float last_s = 0.0F;
+  for (float t : cloud.points.times_s) last_s = std::max(last_s, t);
+  const voxnav::base::StampNs end_ns = cloud.points.sweep_start_ns + voxnav::base::from_seconds(last_s);
+  const voxnav::base::StampNs missing_ns = end_ns - newest_imu_ns_;
+  // An IMU that fell silent, or one with another clock, is not worth waiting for.
+  return missing_ns <= 0 || missing_ns > voxnav::base::from_seconds(config_.imu_timeout_s);
+}
+
+void LidarOdometryNodelet::on_wait(const ros::SteadyTimerEvent&) { process_ready(true); }
+
+void LidarOdometryNodelet::process_ready(bool may_give_up) {
+  while (!waiting_.empty()) {
+    const double waited_s = (ros::SteadyTime::now() - waiting_.front().arrived).toSec();
+    if (!has_imu_for(waiting_.front()) && !(may_give_up && waited_s > config_.imu_wait_s)) return;
+    process_oldest();
+  }
+}
+
+void LidarOdometryNodelet::process_oldest() {
+  const WaitingCloud cloud = std::move(waiting_.front());
+  waiting_.pop_front();
+  odometry::OdometryResult result;
+  {
+    const auto timer = diagnostics().time("odometry");
+    result = estimator_->add_cloud(cloud.points.sweep_start_ns, cloud.points.positions, cloud.points.times_s);
+  }
+  diagnostics().add_latency("odometry", cloud.stamp);
+  publish(result);
+  report(result);
+  publish_progress(cloud.stamp);
+}
+
+void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
+  if (!result.is_new) return;
+  std_msgs::Header header;
+  header.stamp = to_ros(result.stamp_ns);
+  header.frame_id = config_.odometry_frame;
+  quality_.publish(quality_msg(result, header));
+  // Before there is a map there is no pose to speak of.
+  if (estimator_->map().empty()) return;
+  odom_.publish(odometry_msg(result, header, config_.body_frame, odometry_config_));
+  if (!config_.publish_tf) return;
+  geometry_msgs::TransformStamped tf;
+  tf.header.stamp = header.stamp;
+  tf.header.frame_id = config_.body_frame;
+  tf.child_frame_id = config_.odometry_frame;
+  tf.transform = to_transform_msg(result.T_O_B.inverse());
+  tf_broadcaster_.sendTransform(tf);
+}
+
+void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
+  const odometry::OdometryCounters& c = estimator_->counters();
+  const std::pair<const char*, std::uint64_t> counters[] = {{"clouds", c.clouds},
+                                                            {"clouds_refused", c.clouds_refused},
+                                                            {"coasted", c.coasted},
+                                                            {"map_restarts", c.map_restarts},
+                                                            {"time_jumps_back", c.clock_jumps},
+                                                            {"points_refused", c.points_refused},
+                                                            {"imu_refused", c.imu_refused},
+                                                            {"scans_without_imu", c.scans_without_imu}};
+  for (const auto& [name, value] : counters) diagnostics().set_counter(name, static_cast<double>(value));
+  diagnostics().set_counter("map_voxels", static_cast<double>(estimator_->map().num_voxels()));
+  if (!result.is_new || result.quality.state == odometry::State::kCoasting) {
+    complain(result.quality.reason);
+  } else {
+    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+  }
+}
+
+void LidarOdometryNodelet::drop(const ros::Time& stamp, const std::string& reason) {
+  diagnostics().add_dropped("odometry");
+  complain(reason);
+  publish_progress(stamp);
+}
+
+void LidarOdometryNodelet::complain(const std::string& text) {
+  diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
+  NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
+}
+
+bool LidarOdometryNodelet::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  waiting_.clear();
+  if (estimator_) estimator_->reset();
+  response.success = true;
+  response.message = "odometry starts anew with the next cloud";
+  NODELET_INFO_STREAM("[" << node() << "]: " << response.message);
+  return true;
+}
+
+bool LidarOdometryNodelet::on_reset_odom(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
+  std_srvs::Trigger::Request request;
+  std_srvs::Trigger::Response response;
+  return on_reset(request, response);
+}
+
+}  // namespace voxnav_ros
+
+PLUGINLIB_EXPORT_CLASS(voxnav_ros::LidarOdometryNodelet, nodelet::Nodelet)

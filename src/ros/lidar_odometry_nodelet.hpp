@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/Empty.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <deque>
+#include <optional>
+
+#include "lidar_odometry_config.hpp"
+#include "voxnav/OdometryQuality.h"
+#include "voxnav/cloud/timed_points.hpp"
+#include "voxnav/odometry/lidar_odometry.hpp"
+#include "voxnav_ros/nodelet_base.hpp"
+
+namespace voxnav_ros {
+
+/// Filtered clouds and IMU in, odometry of the body out. All callbacks come from the nodelet's single-threaded
+/// queue, so no mutex is needed.
+class LidarOdometryNodelet : public NodeletBase {
+ public:
+  LidarOdometryNodelet() : NodeletBase("LidarOdometry") {}
+
+ private:
+  /// A cloud whose sweep the IMU samples have not covered yet.
+  struct WaitingCloud {
+    voxnav::cloud::TimedPoints points;
+    ros::Time stamp;
+    ros::SteadyTime arrived;
+  };
+
+  void initialize() override;
+  void on_imu(const sensor_msgs::ImuConstPtr& msg);
+  void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
+  void on_wait(const ros::SteadyTimerEvent&);
+  bool on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
+  bool on_reset_odom(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+
+  /// Pose of a sensor in the body, or nothing (said in the diagnostics) while tf does not know it.
+  std::optional<voxnav::geometry::Pose> mounting(const std::string& frame);
+  bool make_estimator(const std::string& lidar_frame);
+  bool has_imu_for(const WaitingCloud& cloud) const;
+  void process_ready(bool may_give_up);
+  void process_oldest();
+  void publish(const voxnav::odometry::OdometryResult& result);
+  void report(const voxnav::odometry::OdometryResult& result);
+  void drop(const ros::Time& stamp, const std::string& reason);
+  void complain(const std::string& text);
+
+  voxnav::odometry::LidarOdometryConfig odometry_config_;
+  LidarOdometryNodeConfig config_;
+  std::unique_ptr<voxnav::odometry::LidarOdometry> estimator_;  // once the LiDAR's mounting is known
+  std::string lidar_frame_;
+  std::optional<Eigen::Matrix3d> R_B_I_;
+  std::deque<voxnav::odometry::ImuSample> early_imu_;
+  voxnav::base::StampNs newest_imu_ns_ = 0;
+  std::deque<WaitingCloud> waiting_;
+  std::string points_topic_, imu_topic_;
+
+  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  tf2_ros::TransformBroadcaster tf_broadcaster_;
+  ros::Publisher odom_, quality_;
+  ros::ServiceServer reset_, reset_odom_;
+  ros::SteadyTimer wait_timer_;
+  ros::Subscriber imu_, points_;
+};
+
+}  // namespace voxnav_ros

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``scripts/map_bag``: map a recording as fast as the machine allows."""
+
+import argparse
+import os
+import sys
+import time
+
+import numpy as np
+import yaml
+
+import voxnav
+from voxnav import files
+from voxnav.demo.mission import repository_file
+from voxnav.offline.bag import Bag
+from voxnav.offline.configs import load_configs
+from voxnav.offline.datasets import DatasetError, ScanFolder
+from voxnav.offline.outputs import write_outputs
+from voxnav.offline.runner import OfflineMapper
+
+
+class ProgressBar:
+    """One line on the terminal; a line every tenth of the way where the output is not a terminal."""
+
+    def __init__(self, total):
+        self._total, self._started, self._last = max(total, 1), time.monotonic(), -1
+
+    def update(self, done):
+        share = min(done / self._total, 1.0)
+        step = int(share * (200 if sys.stderr.isatty() else 10))
+        if step == self._last:
+            return
+        self._last = step
+        elapsed = time.monotonic() - self._started
+        left = elapsed / share - elapsed if share > 0 else float("nan")
+        bar = "#" * int(30 * share)
+        sys.stderr.write("%s[%-30s] %3d %%  scan %d of %d, %.0f s left%s" % (
+            "\r" if sys.stderr.isatty() else "", bar, 100 * share, done, self._total, left,
+            "" if sys.stderr.isatty() and share < 1.0 else "\n"))
+        sys.stderr.flush()
+
+
+def arguments(argv):
+    parser = argparse.ArgumentParser(prog="map_bag", description=__doc__)
+    parser.add_argument("bag", nargs="?", help="rosbag with clouds, and odometry and IMU where there are any")
+    parser.add_argument("--scans", metavar="DIR", help="instead of a bag: folder with scans/%%06d.bin and times.txt")
+    parser.add_argument("--poses", metavar="FILE", help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
+    parser.add_argument("--reference", metavar="FILE", help="TUM trajectory to measure errors against")
+    parser.add_argument("--config", metavar="YAML", help="over config/map_bag.yaml: one section per part")
+    parser.add_argument("--out", metavar="DIR", default="map_bag_out", help="folder for everything that is written")
+    args = parser.parse_args(argv)
+    if (args.bag is None) == (args.scans is None):
+        parser.error("give either a bag or --scans DIR")
+    return args
+
+
+def rotation_from_rpy(rpy_rad):
+    """(3, 3) rotation of fixed-axis roll, pitch, yaw."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
+    return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                     [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                     [-sp, cp * sr, cp * cr]])
+
+
+def _configs(path):
+    with open(repository_file("config/map_bag.yaml")) as source:
+        tree = yaml.safe_load(source) or {}
+    if path:
+        with open(path) as source:
+            own = yaml.safe_load(source) or {}
+        if not isinstance(own, dict):
+            raise voxnav.ConfigError("%s: must be a mapping of sections" % path)
+        for section, values in own.items():
+            tree[section] = dict(tree.get(section) or {}, **(values or {})) if isinstance(values, dict) else values
+    return load_configs(tree)
+
+
+def _dataset(args, run, T_B_L):
+    if args.scans:
+        return ScanFolder(args.scans, args.poses)
+    return Bag(args.bag, run.cloud_topic, run.odometry_topic, run.imu_topic, T_B_L,
+               use_odometry=run.pose_source != "lidar")
+
+
+def run(args):
+    configs = _configs(args.config)
+    settings = configs["run"]
+    T_B_L = np.eye(4)
+    T_B_L[:3, :3] = rotation_from_rpy(np.array(settings.mount_rpy_rad))
+    T_B_L[:3, 3] = settings.mount_position_m
+    dataset = _dataset(args, settings, T_B_L)
+    reference = None
+    if args.reference:
+        stamps, poses = files.read_tum(args.reference)
+        reference = (stamps, poses[:, :3, 3])
+    mapper = OfflineMapper(configs, T_B_L)
+    bar, done = ProgressBar(dataset.num_scans), 0
+    for record in dataset:
+        mapper.add(record)
+        if hasattr(record, "points"):
+            done += 1
+            bar.update(done)
+    if not mapper.stamps:
+        raise DatasetError("no scan could be mapped: " + "; ".join(mapper.warnings[:5] or ["the recording is empty"]))
+    mapper.finish()
+    mapper.warnings += dataset.warnings
+    title = os.path.basename(os.path.normpath(args.scans or args.bag))
+    return write_outputs(mapper, args.out, title, settings.safety_distance_m, settings.write_mesh, reference)
+
+
+def main(argv=None):
+    args = arguments(argv)
+    try:
+        metrics = run(args)
+    except (DatasetError, voxnav.ConfigError, ValueError, OSError) as error:
+        print("map_bag: %s" % error, file=sys.stderr)
+        return 1
+    for name, stage in sorted(metrics["stages"].items()):
+        print("%-20s %6d calls  mean %8.2f ms  p99 %8.2f ms  max %8.2f ms" % (
+            name, stage["count"], stage["mean_ms"], stage["p99_ms"], stage["max_ms"]))
+    for name, value in sorted(metrics.get("errors", {}).items()):
+        print("%s = %.3f" % (name, value))
+    for warning in metrics["warnings"][:10]:
+        print("warning: " + warning)
+    print("%d scans, %d submaps; everything is in %s, begin with report.html" % (
+        metrics["counts"]["scans"], metrics["counts"]["submaps"], args.out))
+    return 0

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything a mapping run leaves behind (DESIGN section 8)."""
+
+import json
+import os
+
+import numpy as np
+
+from voxnav import evaluation, files
+from voxnav.offline.report import write_report
+
+
+def write_outputs(mapper, directory, title, safety_distance_m, write_mesh, reference=None):
+    """Write all files of a run; returns the metrics.
+
+    reference: (stamps, positions) to measure trajectory errors against, or None.
+    """
+    os.makedirs(directory, exist_ok=True)
+    odometry = np.array(mapper.poses).reshape(-1, 4, 4)
+    stamps, optimised = mapper.session.trajectory()
+    files.write_tum(os.path.join(directory, "trajectory_odom.txt"), mapper.stamps, odometry)
+    files.write_tum(os.path.join(directory, "trajectory.txt"), stamps, optimised)
+    with mapper.stages.time("occupied points"):
+        occupied = mapper.collection.occupied_points()
+    files.write_ply_points(os.path.join(directory, "occupied.ply"), occupied)
+    with mapper.stages.time("obstacles"):
+        obstacles = mapper.collection.obstacles(safety_distance_m)
+    files.write_ply_points(os.path.join(directory, "obstacles.ply"), obstacles)
+    if write_mesh:
+        with mapper.stages.time("mesh"):
+            mapper.collection.save_mesh(os.path.join(directory, "mesh.ply"))
+    mapper.map.save_octomap(os.path.join(directory, "map.ot"))
+    with mapper.stages.time("save"):
+        mapper.collection.save(os.path.join(directory, "map"))
+    metrics = {"stages": mapper.stages.summary(), "memory": mapper.memory, "warnings": mapper.warnings[:1000],
+               "counts": dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))}
+    if reference is not None:
+        metrics["errors"] = _errors(reference, mapper.stamps, odometry, stamps, optimised)
+    with open(os.path.join(directory, "metrics.json"), "w") as out:
+        json.dump(metrics, out, indent=2, sort_keys=True)
+    write_report(os.path.join(directory, "report.html"), title, metrics, occupied, odometry[:, :3, 3],
+                 optimised[:, :3, 3], None if reference is None else _aligned(reference, mapper.stamps, odometry))
+    return metrics
+
+
+def _errors(reference, stamps, odometry, optimised_stamps, optimised):
+    out = {}
+    for name, times, poses in (("odometry", stamps, odometry), ("optimised", optimised_stamps, optimised)):
+        try:
+            out["ate_%s_m" % name] = evaluation.absolute_trajectory_error(
+                np.asarray(times), poses[:, :3, 3], reference[0], reference[1])
+        except evaluation.EvaluationError:
+            continue  # no overlap in time: nothing was measured
+    return out
+
+
+def _aligned(reference, stamps, odometry):
+    """The reference in the frame of the run, for the picture."""
+    target = evaluation.interpolate_positions(np.asarray(stamps), reference[0], reference[1])
+    valid = np.all(np.isfinite(target), axis=1)
+    if valid.sum() < 3:
+        return None
+    R, t = evaluation.align_se3(target[valid], odometry[valid, :3, 3])
+    return target[valid] @ R.T + t

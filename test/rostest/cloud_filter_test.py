@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The cloud filter over ROS: real layouts in, points out, and bad input answered instead of crashed on."""
+
+import sys
+import time
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from sensor_msgs.msg import PointCloud2, PointField
+
+from voxnav.msg import NodeDiagnostics, Progress
+
+TIMEOUT_S = 20.0
+GAZEBO = np.dtype({"names": ["x", "y", "z", "intensity", "ring", "range", "t", "reflectivity", "ambient"],
+                   "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "<u4", "<u4", "<u2", "<u2"],
+                   "offsets": [0, 4, 8, 12, 16, 17, 21, 25, 27], "itemsize": 29})
+TYPES = {"<f4": PointField.FLOAT32, "|u1": PointField.UINT8, "<u4": PointField.UINT32, "<u2": PointField.UINT16}
+
+
+def gazebo_cloud(height=4, width=8):
+    """Every point 5 m ahead, none weak."""
+    points = np.zeros((height, width), GAZEBO)
+    points["x"], points["intensity"], points["t"] = 5.0, 100.0, 7000
+    return points
+
+
+def to_msg(points, stamp_s):
+    msg = PointCloud2(height=points.shape[0], width=points.shape[1], point_step=points.dtype.itemsize)
+    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp_s), "uav1/os_sensor"
+    msg.row_step, msg.data = msg.point_step * msg.width, points.tobytes()
+    for name in points.dtype.names:
+        field_type, offset = points.dtype.fields[name]
+        msg.fields.append(PointField(name, offset, TYPES[field_type.str], 1))
+    return msg
+
+
+def wait_for(condition):
+    end = time.time() + TIMEOUT_S
+    while not condition() and time.time() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+class CloudFilterTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.points, cls.ghosts, cls.diagnostics, cls.progress = [], [], [], []
+        subscribers = [rospy.Subscriber("cloud_filter/points_out", PointCloud2, cls.points.append),
+                       rospy.Subscriber("cloud_filter/rejected_out", PointCloud2, cls.ghosts.append),
+                       rospy.Subscriber("cloud_filter/diagnostics_out", NodeDiagnostics, cls.diagnostics.append),
+                       rospy.Subscriber("progress", Progress, cls.progress.append)]
+        cls.cloud = rospy.Publisher("cloud_filter/cloud_in", PointCloud2, queue_size=10)
+        wait_for(lambda: cls.cloud.get_num_connections() and all(s.get_num_connections() for s in subscribers))
+
+    def send(self, msg):
+        """Publish and wait until the node has dealt with it, for good or bad; the outputs it gave."""
+        done, had = len(self.progress), len(self.points)
+        self.cloud.publish(msg)
+        self.assertTrue(wait_for(lambda: len(self.progress) > done), "no progress after a cloud")
+        self.assertEqual(self.progress[-1].stamp, msg.header.stamp)
+        time.sleep(0.2)  # points and progress come on connections of their own
+        return self.points[had:]
+
+    def send_good(self, msg):
+        outputs = self.send(msg)
+        self.assertEqual(len(outputs), 1)
+        return outputs[0]
+
+    def refuse(self, msg, text):
+        self.assertEqual(self.send(msg), [])
+        self.assertTrue(wait_for(lambda: any(text in d.message for d in self.diagnostics)),
+                        "diagnostics never said: " + text)
+        said = [d for d in self.diagnostics if text in d.message][-1]
+        self.assertEqual(said.level, NodeDiagnostics.ERROR)
+        self.assertIn("/uav1/cloud_filter/cloud_in", said.message)
+
+    def test_packed_gazebo_cloud_comes_out_filtered(self):
+        points = gazebo_cloud()
+        points["x"][0, :3] = 0.0
+        points["intensity"][1, 0] = 3.0
+        out = self.send_good(to_msg(points, 10.0))
+        self.assertEqual((out.height, out.width, out.point_step), (1, 28, 20))
+        self.assertEqual([f.name for f in out.fields], ["x", "y", "z", "intensity", "t"])
+        self.assertEqual((out.header.frame_id, out.header.stamp.to_sec()), ("uav1/os_sensor", 10.0))
+        rows = np.frombuffer(out.data, np.float32).reshape(-1, 5)
+        np.testing.assert_array_equal(rows[:, 0], 5.0)
+        self.assertTrue(wait_for(lambda: any(g.width == 1 for g in self.ghosts)))
+
+    def test_empty_and_all_nan_clouds_pass_as_empty(self):
+        self.assertEqual(self.send_good(to_msg(gazebo_cloud(1, 0), 11.0)).width, 0)
+        points = gazebo_cloud()
+        points["x"] = np.nan
+        self.assertEqual(self.send_good(to_msg(points, 11.1)).width, 0)
+        self.assertTrue(wait_for(lambda: any("was kept: 32 nan" in d.message for d in self.diagnostics)))
+
+    def test_wrong_field_types_are_named(self):
+        msg = to_msg(gazebo_cloud(), 12.0)
+        msg.fields[1].datatype = PointField.INT32
+        self.refuse(msg, "field 'y' is int32, must be float32 or float64")
+
+    def test_missing_fields_are_named(self):
+        msg = to_msg(gazebo_cloud(), 12.1)
+        del msg.fields[2]
+        self.refuse(msg, "field 'z' is missing")
+
+    def test_short_data_is_refused(self):
+        msg = to_msg(gazebo_cloud(), 12.2)
+        msg.data = msg.data[:100]
+        self.refuse(msg, "data has 100 bytes")
+
+    def test_clouds_after_a_clock_that_fell_back_still_come_out(self):
+        self.assertEqual(self.send_good(to_msg(gazebo_cloud(), 1000.0)).width, 32)
+        self.assertEqual(self.send_good(to_msg(gazebo_cloud(), 5.0)).width, 32)
+
+        def jumps():
+            d = self.diagnostics[-1] if self.diagnostics else NodeDiagnostics()
+            return dict(zip(d.counter_names, d.counter_values)).get("time_jumps_back", 0)
+        self.assertTrue(wait_for(lambda: jumps() >= 1))
+
+
+if __name__ == "__main__":
+    rospy.init_node("cloud_filter_test")
+    rostest.rosrun("voxnav", "cloud_filter", CloudFilterTest, sys.argv)
