@@ -3,6 +3,9 @@ SHELL := /bin/bash
 # Debian's Python before any other: catkin, pybind11 and rospy must agree on one interpreter.
 export PATH := /usr/bin:$(PATH)
 export CCACHE_DIR ?= $(HOME)/.cache/ccache
+# Objects are shared between clones of this repository, wherever they lie.
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_NOHASHDIR := 1
 
 WS := build/ws
 JOBS ?= 2

@@ -1,4 +1,6 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=["voxnav", "voxnav.nodes", "voxnav.offline", "voxnav.demo"], package_dir={"": "src"}))
+PACKAGES = ["voxnav", "voxnav.nodes", "voxnav.offline", "voxnav.demo"]
+
+setup(**generate_distutils_setup(packages=PACKAGES, package_dir={"": "src"}))

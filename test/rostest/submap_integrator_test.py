@@ -124,7 +124,8 @@ class SubmapIntegratorTest(unittest.TestCase):
         self.assertIsNotNone(self.progress.wait_for(lambda m: m.stamp == rospy.Time.from_sec(10.0)))
 
     def test_2_people_see_it(self):
-        self.assertIsNotNone(self.markers.wait_for(lambda m: sum(len(x.points) for x in m.markers) == content().num_occupied))
+        expected = content().num_occupied
+        self.assertIsNotNone(self.markers.wait_for(lambda m: sum(len(x.points) for x in m.markers) == expected))
         self.assertIsNotNone(self.cloud.wait_for(lambda m: m.width > 1000))
         self.assertIsNotNone(self.mesh.wait_for(lambda m: len(m.points) > 1000))
         self.assertIsNotNone(self.slice.wait_for(lambda m: m.width > 500))
@@ -160,7 +161,8 @@ class SubmapIntegratorTest(unittest.TestCase):
         lengths = SubmapPoses()
         lengths.submap_ids = [1]
         self.poses.publish(lengths)
-        self.assertIsNotNone(self.diagnostics.wait_for(lambda m: m.level == NodeDiagnostics.ERROR and "refused" in m.message))
+        self.assertIsNotNone(
+            self.diagnostics.wait_for(lambda m: m.level == NodeDiagnostics.ERROR and "refused" in m.message))
         self.assertEqual(len(self.get_submaps().submaps), 2)
 
     def test_6_snapshots_come_by_themselves(self):

@@ -49,4 +49,3 @@ def trunks(world, seed):
         return None
     world = simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
     return np.vstack([_circles(world.trunks()), _circles(world.poles())])
-

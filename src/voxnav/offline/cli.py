@@ -44,7 +44,8 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="map_bag", description=__doc__)
     parser.add_argument("bag", nargs="?", help="rosbag with clouds, and odometry and IMU where there are any")
     parser.add_argument("--scans", metavar="DIR", help="instead of a bag: folder with scans/%%06d.bin and times.txt")
-    parser.add_argument("--poses", metavar="FILE", help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
+    parser.add_argument("--poses", metavar="FILE",
+                        help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
     parser.add_argument("--reference", metavar="FILE", help="TUM trajectory to measure errors against")
     parser.add_argument("--config", metavar="YAML", help="over config/map_bag.yaml: one section per part")
     parser.add_argument("--out", metavar="DIR", default="map_bag_out", help="folder for everything that is written")

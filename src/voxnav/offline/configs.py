@@ -33,7 +33,8 @@ def load_configs(tree):
             configs[name] = config_class.from_dict(values)
         except voxnav.ConfigError as error:
             problems += ["%s/%s" % (name, line) for line in str(error).splitlines()]
-    problems += ["%s: unknown section, known are %s" % (key, ", ".join(SECTIONS)) for key in tree if key not in SECTIONS]
+    unknown = [key for key in tree if key not in SECTIONS]
+    problems += ["%s: unknown section, known are %s" % (key, ", ".join(SECTIONS)) for key in unknown]
     if problems:
         raise voxnav.ConfigError("\n".join(problems))
     return configs
