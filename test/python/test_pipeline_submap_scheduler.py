@@ -18,7 +18,7 @@ def test_a_submap_closes_after_its_period_with_the_content_of_the_map():
     wall = np.array([[5, 0.01 * i, 0.0] for i in range(100)], np.float32)
     closed = []
     for i in range(25):
-        m.insert(wall, pose(0.01 * i))
+        m.insert(wall, pose(0.0))
         closed += scheduler.add_scan(m, 100.0 + 0.1 * i, pose(0.01 * i))
     closed += scheduler.finish(m)
     assert [h.reason for h in closed] == ["time", "time", "shutdown"]

@@ -13,7 +13,7 @@ namespace voxnav::occupancy {
 struct HitVoxel {
   std::uint32_t slot;    ///< of the block in the window
   std::uint16_t offset;  ///< in the block
-  geometry::Vec3f mean;  ///< of the end points, from the voxel centre, voxel edges
+  PointSpread points;    ///< the end points
 };
 
 /// Sorts the beams of one scan into their end voxels, so that each voxel is hit once and one ray is cast for it.
@@ -63,8 +63,10 @@ class EndVoxels {
   };
   struct Sum {
     geometry::Vec3f offset = geometry::Vec3f::Zero();
+    std::array<float, 6> product{};
     int count = 0;
   };
+  static PointSpread spread_of(const Sum& sum);
   Address address_of(int x, int y, int z);
   std::size_t count_hits();
 

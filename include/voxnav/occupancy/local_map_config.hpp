@@ -24,11 +24,13 @@ struct LocalMapConfig {
   double free_threshold = 0.3;
   bool clear_beyond_range = true;
   double no_return_range_m = 0.2;
-  double guard_distance_voxels = 0.25;
+  double guard_sigmas = 2.0;
+  double guard_spread_voxels = 0.05;
   double guard_end_voxels = 1.5;
-  int guard_octants = 6;
+  int guard_octants = 7;
+  int guard_patience = 8;
   int num_threads = 1;
-  double max_memory_mb = 2048.0;
+  double max_memory_mb = 4096.0;
   int max_evicted_blocks = 4096;
 
   template <class V>
@@ -49,12 +51,15 @@ struct LocalMapConfig {
       "points beyond max_range_m clear the ray up to it");
     v("no_return_range_m", &C::no_return_range_m, in(0.0, 1000.0), "m",
       "beams without return clear this far (they may be dark, not empty), never an occupied voxel");
-    v("guard_distance_voxels", &C::guard_distance_voxels, in(0.0, 1.0), "voxel",
-      "a ray counts against a voxel that holds hits only if it passes this near to their mean");
+    v("guard_sigmas", &C::guard_sigmas, in(0.0, 10.0), "",
+      "a ray counts against a voxel that holds hits only if it passes within so many deviations of them");
+    v("guard_spread_voxels", &C::guard_spread_voxels, in(0.01, 1.0), "voxel", "least deviation of hits, for noise");
     v("guard_end_voxels", &C::guard_end_voxels, in(0.0, 10.0), "voxel",
       "and only if it goes on at least this far behind that mean");
     v("guard_octants", &C::guard_octants, in(1, 8), "",
       "rays that pass farther off count once they went through this many octants of the voxel without a hit");
+    v("guard_patience", &C::guard_patience, in(0, 100), "",
+      "at most so many scans that saw through a voxel are forgiven because hits followed as many before (leaves)");
     v("num_threads", &C::num_threads, in(1, 64), "", "threads of one insertion; the result does not depend on it");
     v("max_memory_mb", &C::max_memory_mb, in(1.0, 1.0e6), "MB", "a window that could need more is refused");
     v("max_evicted_blocks", &C::max_evicted_blocks, in(0, 1.0e6), "",

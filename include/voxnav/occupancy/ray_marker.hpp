@@ -12,7 +12,8 @@ namespace voxnav::occupancy {
 
 /// When a ray that crosses a voxel with hits counts against it (see LocalMapConfig).
 struct MissGuard {
-  float distance_voxels = 0.25f;
+  float sigmas = 2.0f;
+  float spread_voxels = 0.05f;
   float end_voxels = 1.5f;
 };
 
@@ -50,12 +51,16 @@ class RayMarker {
 
  private:
   struct Line;
-  struct Run;
-  void visit(std::uint32_t address, Run* run);
-  void flush(Run* run);
-  void walk(const Line& line, Run* run);
-  void cross_surfaces(std::uint32_t row, std::uint64_t bits, const Run& run);
-  void cross_surface(std::uint32_t block, int offset, const Run& run);
+  struct Ray;
+  struct Across {
+    std::int64_t b;
+    std::int64_t c;
+  };
+  void flush(std::uint32_t row_index, std::uint64_t bits, const Ray& ray);
+  void walk(const Line& line, const Ray& ray);
+  static std::uint32_t corner(const Line& line, const Across& from, const Across& to);
+  void cross_surfaces(std::uint32_t row, std::uint64_t bits, const Ray& ray);
+  void cross_surface(std::uint32_t block, int offset, const Ray& ray);
 
   const BlockWindow* window_ = nullptr;
   const ScanBox* box_ = nullptr;

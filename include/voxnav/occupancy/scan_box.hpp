@@ -20,17 +20,18 @@ class ScanBox {
 
   std::uint32_t num_blocks() const { return size_[0] * size_[1] * size_[2]; }
   /// Slot in the window of a block of the box.
-  std::uint32_t slot_of(std::uint32_t block) const;
+  std::uint32_t slot_of(std::uint32_t block) const { return slots_[block]; }
   /// Lowest voxel of a block, from the window's corner.
-  geometry::Index3 first_voxel(std::uint32_t block) const;
+  const geometry::Index3& first_voxel(std::uint32_t block) const { return first_voxels_[block]; }
   /// Part of the address that a coordinate (voxels from the window's corner) contributes on an axis.
   const std::uint32_t* parts(int axis) const { return parts_[axis].data(); }
 
  private:
   std::array<std::uint32_t, 3> first_{};
   std::array<std::uint32_t, 3> size_{};
-  std::array<int, 3> window_blocks_{};
   std::array<std::vector<std::uint32_t>, 3> parts_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<geometry::Index3> first_voxels_;
 };
 
 }  // namespace voxnav::occupancy

@@ -13,18 +13,33 @@ namespace voxnav::occupancy {
 /// One bit per voxel of a block, in words of 64 voxels.
 using VoxelBits = std::array<std::uint64_t, geometry::kBlockVolume / 64>;
 
+/// Mean and spread of points, voxel edges.
+struct PointSpread {
+  geometry::Vec3f mean = geometry::Vec3f::Zero();  ///< from the voxel centre
+  std::array<float, 6> covariance{};               ///< xx xy xz yy yz zz
+};
+
 /// What the hits inside one voxel say about the surface.
 struct SurfaceLeaf {
-  std::array<std::int16_t, 3> mean{};  ///< from the voxel centre; half a voxel edge = kMeanUnits
-  std::uint8_t scans = 0;              ///< scans that hit the voxel, saturates at 255
-  std::uint8_t octants = 0;            ///< octants seen through since the last hit
+  std::array<std::int16_t, 3> mean{};        ///< from the voxel centre; half a voxel edge = kMeanUnits
+  std::array<std::int16_t, 6> covariance{};  ///< xx xy xz yy yz zz; a squared voxel edge = kCovarianceUnits
+  std::uint8_t scans = 0;                    ///< scans that hit the voxel, saturates at 255
+  std::uint8_t octants = 0;                  ///< octants seen through since the last hit
+  std::uint8_t seen_through = 0;             ///< scans that saw through the surface since the last hit
+  std::uint8_t patience = 0;                 ///< most of these that a later hit ever refuted: leaves let beams through
 
   static constexpr float kMeanUnits = 32000.0f;
+  static constexpr float kCovarianceUnits = 120000.0f;  ///< points in a voxel spread by a quarter at most
   /// Mean hit point from the voxel centre, in voxel edges.
   geometry::Vec3f offset() const { return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits); }
-  /// Adds the mean of one scan's hits (from the voxel centre, voxel edges). Scans weigh alike up to kMemory of
-  /// them; after that old ones fade, so that the mean follows a surface that moves.
-  void add_scan(const geometry::Vec3f& offset);
+  /// Adds one scan's hits. Scans weigh alike up to kMemory of them; after that old ones fade, so that the mean follows
+  /// a surface that moves.
+  void add_scan(const PointSpread& hits);
+  /// A scan saw through the surface. False while hits have refuted as many such scans in a row before.
+  bool is_refuted_by_seeing_through(int max_patience);
+  /// Squared Mahalanobis distance at which a line passes the hits. `to_mean` leads from the line to the mean, in voxel
+  /// edges; `least_spread` (voxel edges) is added to the spread of the hits.
+  float squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction, float least_spread) const;
   static constexpr int kMemory = 50;
   OccupiedLeaf quantised(int offset_in_block) const;
 };

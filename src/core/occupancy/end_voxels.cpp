@@ -61,6 +61,16 @@ std::size_t EndVoxels::count_hits() {
   return total;
 }
 
+PointSpread EndVoxels::spread_of(const Sum& sum) {
+  PointSpread out;
+  const float share = 1.0f / static_cast<float>(sum.count);
+  out.mean = sum.offset * share;
+  const float products[6] = {out.mean[0] * out.mean[0], out.mean[0] * out.mean[1], out.mean[0] * out.mean[2],
+                             out.mean[1] * out.mean[1], out.mean[1] * out.mean[2], out.mean[2] * out.mean[2]};
+  for (int i = 0; i < 6; ++i) out.covariance[i] = sum.product[i] * share - products[i];
+  return out;
+}
+
 void EndVoxels::finish() {
   sums_.assign(count_hits(), Sum{});
   for (const EndPoint& point : points_) {
@@ -69,16 +79,17 @@ void EndVoxels::finish() {
     const std::uint64_t below = (std::uint64_t{1} << (point.address.offset & 63)) - 1;
     Sum& sum = sums_[block.first_hit + block.hits_before[word] +
                      static_cast<std::size_t>(__builtin_popcountll(block.hits[word] & below))];
-    sum.offset += point.from_center;
+    const geometry::Vec3f& p = point.from_center;
+    sum.offset += p;
+    const float products[6] = {p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]};
+    for (int i = 0; i < 6; ++i) sum.product[i] += products[i];
     ++sum.count;
   }
   hits_.reserve(sums_.size());
   for (const Block& block : blocks_) {
     for (int word = 0; word < 64; ++word) {
       for_each_bit(block.hits[word], [&](int bit) {
-        const Sum& sum = sums_[hits_.size()];
-        hits_.push_back({block.slot, static_cast<std::uint16_t>(word * 64 + bit),
-                         geometry::Vec3f(sum.offset / static_cast<float>(sum.count))});
+        hits_.push_back({block.slot, static_cast<std::uint16_t>(word * 64 + bit), spread_of(sums_[hits_.size()])});
       });
     }
   }

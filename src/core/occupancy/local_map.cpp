@@ -155,7 +155,7 @@ void LocalMap::collect_no_returns(const float* directions, std::size_t m, const 
 }
 
 void LocalMap::cast_rays(const geometry::Vec3& origin) {
-  const MissGuard guard{static_cast<float>(config_.guard_distance_voxels),
+  const MissGuard guard{static_cast<float>(config_.guard_sigmas), static_cast<float>(config_.guard_spread_voxels),
                         static_cast<float>(config_.guard_end_voxels)};
   // One block more than the longest ray: the sensor may be anywhere in its own block.
   const int reach = static_cast<int>(std::ceil(config_.max_range_m / block_size(config_))) + 1;
@@ -170,7 +170,7 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
     for (std::size_t i = total * worker / markers_.size(); i < end; ++i) {
       if (i < hits) {
         const HitVoxel& hit = ends_.hits()[i];
-        marker.cast(ends_.center_of(hit) + hit.mean, true);
+        marker.cast(ends_.center_of(hit) + hit.points.mean, true);
       } else if (i < hits + clearing) {
         marker.cast(ends_.clearing_ends()[i - hits], true);
       } else {
@@ -196,6 +196,7 @@ void LocalMap::weigh_crossings() {
     SurfaceLeaf* leaf = window_.at(static_cast<int>(c.slot))->leaves.find(c.offset);
     if (__builtin_popcount(leaf->octants) < config_.guard_octants) continue;
     leaf->octants = 0;
+    if (!leaf->is_refuted_by_seeing_through(config_.guard_patience)) continue;
     through_[c.slot][c.offset >> 6] |= std::uint64_t{1} << (c.offset & 63);
   }
 }

@@ -11,7 +11,7 @@ namespace voxnav::occupancy {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
   LocalMapConfig::fields(

@@ -14,15 +14,17 @@ namespace {
 constexpr int kFractionBits = 32;
 constexpr double kOne = 4294967296.0;
 
+/// Marks of a block that have to be cleaned: surface bits alone, or crossed by rays.
+constexpr std::uint8_t kHasSurface = 1;
+constexpr std::uint8_t kCrossed = 2;
+
 std::int64_t fixed(double value) { return static_cast<std::int64_t>(value * kOne); }
 
 }  // namespace
 
-/// Bits of the voxels visited last, as long as they lie in one row.
-struct RayMarker::Run {
-  std::uint32_t row = 0;
-  std::uint64_t bits = 0;
-  bool is_evidence = true;
+/// What the voxels on a ray need to know of it.
+struct RayMarker::Ray {
+  bool is_evidence;
   geometry::Vec3f end;
   geometry::Vec3f direction;  ///< unit, from the end to the sensor
 };
@@ -62,61 +64,71 @@ void RayMarker::begin(const BlockWindow& window, const EndVoxels& ends, const Sc
     const OctreeBlock* known = window.at(static_cast<int>(slot));
     if (known == nullptr || known->leaves.empty()) continue;
     const VoxelBits* hits = ends.hit_bits(slot);
-    touched_[block] = 2;  // has surface bits to be cleaned, even if no ray comes here
+    touched_[block] = kHasSurface;
     for (int i = 0; i < 64; ++i) {
       rows_[64 * std::size_t{block} + i].surface = known->leaves.bits()[i] & ~(hits ? (*hits)[i] : 0);
     }
   }
 }
 
-inline void RayMarker::flush(Run* run) {
-  Row& row = rows_[run->row];
-  row.passed |= run->bits;
-  touched_[run->row >> 6] = 3;
-  const std::uint64_t crossed = row.surface & run->bits;
-  if (crossed != 0) cross_surfaces(run->row, crossed, *run);
-  run->bits = 0;
+inline void RayMarker::flush(std::uint32_t row_index, std::uint64_t bits, const Ray& ray) {
+  Row& row = rows_[row_index];
+  row.passed |= bits;
+  touched_[row_index >> 6] = kCrossed;
+  const std::uint64_t crossed = row.surface & bits;
+  if (crossed != 0) cross_surfaces(row_index, crossed, ray);
 }
 
-inline void RayMarker::visit(std::uint32_t address, Run* run) {
-  const std::uint32_t row = address >> 6;
-  if (row != run->row) {
-    flush(run);
-    run->row = row;
-  }
-  run->bits |= std::uint64_t{1} << (address & 63);
-}
-
-void RayMarker::walk(const Line& line, Run* run) {
+/// Bits are gathered as long as they fall into one row; what the loop needs stays in registers.
+void RayMarker::walk(const Line& line, const Ray& ray) {
   std::int64_t b = line.b;
   std::int64_t c = line.c;
-  std::int64_t b_next = line.num_slabs > 0 ? line.b_border : line.b_origin;
-  std::int64_t c_next = line.num_slabs > 0 ? line.c_border : line.c_origin;
   int a = line.a;
-  for (int slab = 0; slab <= line.num_slabs; ++slab) {
-    const auto b_cell = static_cast<int>(b >> kFractionBits);
-    const auto c_cell = static_cast<int>(c >> kFractionBits);
-    const auto b_end = static_cast<int>(b_next >> kFractionBits);
-    const auto c_end = static_cast<int>(c_next >> kFractionBits);
-    const std::uint32_t here = line.a_parts[a];
-    visit(here + line.b_parts[b_cell] + line.c_parts[c_cell], run);
-    if (b_cell != b_end && c_cell != c_end) {
-      // Which border comes first: compare the shares of the slab at which they are reached.
-      const auto b_border =
-          static_cast<double>((static_cast<std::int64_t>(std::max(b_cell, b_end)) << kFractionBits) - b);
-      const auto c_border =
-          static_cast<double>((static_cast<std::int64_t>(std::max(c_cell, c_end)) << kFractionBits) - c);
-      const bool b_first =
-          std::abs(b_border * static_cast<double>(c_next - c)) < std::abs(c_border * static_cast<double>(b_next - b));
-      visit(here + line.b_parts[b_first ? b_end : b_cell] + line.c_parts[b_first ? c_cell : c_end], run);
+  std::uint32_t across = line.b_parts[b >> kFractionBits] + line.c_parts[c >> kFractionBits];
+  std::uint32_t row = (line.a_parts[a] + across) >> 6;
+  std::uint64_t bits = 0;
+  const auto visit = [&](std::uint32_t address) {
+    if ((address >> 6) != row) {
+      flush(row, bits, ray);
+      row = address >> 6;
+      bits = 0;
     }
-    visit(here + line.b_parts[b_end] + line.c_parts[c_end], run);
-    a += line.a_step;
+    bits |= std::uint64_t{1} << (address & 63);
+  };
+  const auto cross_slab = [&](std::int64_t b_next, std::int64_t c_next) {
+    const std::uint32_t along = line.a_parts[a];
+    visit(along + across);
+    const bool both =
+        (b_next >> kFractionBits) != (b >> kFractionBits) && (c_next >> kFractionBits) != (c >> kFractionBits);
+    if (both) visit(along + corner(line, {b, c}, {b_next, c_next}));
+    across = line.b_parts[b_next >> kFractionBits] + line.c_parts[c_next >> kFractionBits];
+    visit(along + across);
     b = b_next;
     c = c_next;
-    b_next = slab + 1 < line.num_slabs ? b + line.b_slope : line.b_origin;
-    c_next = slab + 1 < line.num_slabs ? c + line.c_slope : line.c_origin;
+    a += line.a_step;
+  };
+  std::int64_t b_border = line.b_border;
+  std::int64_t c_border = line.c_border;
+  for (int slab = 0; slab < line.num_slabs; ++slab) {
+    cross_slab(b_border, c_border);
+    b_border += line.b_slope;
+    c_border += line.c_slope;
   }
+  cross_slab(line.b_origin, line.c_origin);
+  flush(row, bits, ray);
+}
+
+/// Where a ray changes voxel on both short axes within one slab, the voxel between is behind the border that comes
+/// first: the one reached at the smaller share of the slab.
+std::uint32_t RayMarker::corner(const Line& line, const Across& from, const Across& to) {
+  const auto cell = [](std::int64_t value) { return value >> kFractionBits; };
+  const auto way = [&](std::int64_t start, std::int64_t end) {
+    return std::abs(static_cast<double>((std::max(cell(start), cell(end)) << kFractionBits) - start));
+  };
+  const double b_share = way(from.b, to.b) * std::abs(static_cast<double>(to.c - from.c));
+  const double c_share = way(from.c, to.c) * std::abs(static_cast<double>(to.b - from.b));
+  return b_share < c_share ? line.b_parts[cell(to.b)] + line.c_parts[cell(from.c)]
+                           : line.b_parts[cell(from.b)] + line.c_parts[cell(to.c)];
 }
 
 void RayMarker::cast(const geometry::Vec3f& end, bool is_evidence) {
@@ -145,36 +157,30 @@ void RayMarker::cast(const geometry::Vec3f& end, bool is_evidence) {
   line.c_border = fixed(from[c] + to_border * c_slope);
   line.b_slope = fixed(b_slope);
   line.c_slope = fixed(c_slope);
-  Run run;
-  run.row = (line.a_parts[line.a] + line.b_parts[line.b >> kFractionBits] + line.c_parts[line.c >> kFractionBits]) >> 6;
-  run.is_evidence = is_evidence;
-  run.end = end;
-  run.direction = delta.normalized().cast<float>();
-  walk(line, &run);
-  flush(&run);
+  walk(line, {is_evidence, end, delta.normalized().cast<float>()});
 }
 
-void RayMarker::cross_surfaces(std::uint32_t row, std::uint64_t bits, const Run& run) {
-  if (!run.is_evidence) return;
-  for_each_bit(bits, [&](int bit) { cross_surface(row >> 6, static_cast<int>(row & 63) * 64 + bit, run); });
+void RayMarker::cross_surfaces(std::uint32_t row, std::uint64_t bits, const Ray& ray) {
+  if (!ray.is_evidence) return;
+  for_each_bit(bits, [&](int bit) { cross_surface(row >> 6, static_cast<int>(row & 63) * 64 + bit, ray); });
 }
 
-void RayMarker::cross_surface(std::uint32_t block, int offset, const Run& run) {
+void RayMarker::cross_surface(std::uint32_t block, int offset, const Ray& ray) {
   const geometry::Index3 first = box_->first_voxel(block);
   const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
   const geometry::Vec3f center(static_cast<float>(first.x + inside.x) + 0.5f,
                                static_cast<float>(first.y + inside.y) + 0.5f,
                                static_cast<float>(first.z + inside.z) + 0.5f);
   const std::uint32_t slot = box_->slot_of(block);
-  const geometry::Vec3f mean = center + window_->at(static_cast<int>(slot))->leaves.find(offset)->offset();
-  const geometry::Vec3f to_mean = mean - run.end;
-  const float along = to_mean.dot(run.direction);
+  const SurfaceLeaf& leaf = *window_->at(static_cast<int>(slot))->leaves.find(offset);
+  const geometry::Vec3f to_mean = center + leaf.offset() - ray.end;
+  const float along = to_mean.dot(ray.direction);
   if (along < guard_.end_voxels) return;
-  const float distance_squared = to_mean.squaredNorm() - along * along;
+  const geometry::Vec3f across = to_mean - along * ray.direction;
   std::uint8_t octants = 0xFF;
-  if (distance_squared > guard_.distance_voxels * guard_.distance_voxels) {
-    const float nearest = (center - run.end).dot(run.direction);
-    const geometry::Vec3f at = run.end + nearest * run.direction - center;
+  if (leaf.squared_distance(across, ray.direction, guard_.spread_voxels) > guard_.sigmas * guard_.sigmas) {
+    const float nearest = (center - ray.end).dot(ray.direction);
+    const geometry::Vec3f at = ray.end + nearest * ray.direction - center;
     const int octant = (at.x() > 0.0f ? 1 : 0) | (at.y() > 0.0f ? 2 : 0) | (at.z() > 0.0f ? 4 : 0);
     octants = static_cast<std::uint8_t>(1u << octant);
   }
@@ -183,7 +189,7 @@ void RayMarker::cross_surface(std::uint32_t block, int offset, const Run& run) {
 
 void RayMarker::merge(const RayMarker& other) {
   for (const std::uint32_t block : other.touched_blocks()) {
-    touched_[block] = 3;
+    touched_[block] = kCrossed;
     for (std::size_t i = 64 * std::size_t{block}; i < 64 * std::size_t{block} + 64; ++i)
       rows_[i].passed |= other.rows_[i].passed;
   }
@@ -193,7 +199,7 @@ void RayMarker::merge(const RayMarker& other) {
 std::vector<std::uint32_t> RayMarker::touched_blocks() const {
   std::vector<std::uint32_t> out;
   for (std::size_t block = 0; block < touched_.size(); ++block) {
-    if (touched_[block] == 3) out.push_back(static_cast<std::uint32_t>(block));
+    if (touched_[block] == kCrossed) out.push_back(static_cast<std::uint32_t>(block));
   }
   return out;
 }

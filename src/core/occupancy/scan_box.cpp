@@ -5,8 +5,7 @@
 
 namespace voxnav::occupancy {
 
-ScanBox::ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3& origin_block, int reach)
-    : window_blocks_(window_blocks) {
+ScanBox::ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3& origin_block, int reach) {
   const int origin[3] = {origin_block.x, origin_block.y, origin_block.z};
   std::uint32_t stride = geometry::kBlockVolume;
   for (int axis = 0; axis < 3; ++axis) {
@@ -22,20 +21,15 @@ ScanBox::ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3
     }
     stride *= size_[axis];
   }
-}
-
-geometry::Index3 ScanBox::first_voxel(std::uint32_t block) const {
-  const std::uint32_t x = first_[0] + block % size_[0];
-  const std::uint32_t y = first_[1] + block / size_[0] % size_[1];
-  const std::uint32_t z = first_[2] + block / size_[0] / size_[1];
-  return {static_cast<int>(x) * geometry::kBlockSide, static_cast<int>(y) * geometry::kBlockSide,
-          static_cast<int>(z) * geometry::kBlockSide};
-}
-
-std::uint32_t ScanBox::slot_of(std::uint32_t block) const {
-  const geometry::Index3 voxel = first_voxel(block);
-  return static_cast<std::uint32_t>((voxel.x >> 4) +
-                                    window_blocks_[0] * ((voxel.y >> 4) + window_blocks_[1] * (voxel.z >> 4)));
+  slots_.reserve(num_blocks());
+  first_voxels_.reserve(num_blocks());
+  for (std::uint32_t block = 0; block < num_blocks(); ++block) {
+    const auto x = static_cast<int>(first_[0] + block % size_[0]);
+    const auto y = static_cast<int>(first_[1] + block / size_[0] % size_[1]);
+    const auto z = static_cast<int>(first_[2] + block / size_[0] / size_[1]);
+    slots_.push_back(static_cast<std::uint32_t>(x + window_blocks[0] * (y + window_blocks[1] * z)));
+    first_voxels_.push_back({x * geometry::kBlockSide, y * geometry::kBlockSide, z * geometry::kBlockSide});
+  }
 }
 
 }  // namespace voxnav::occupancy

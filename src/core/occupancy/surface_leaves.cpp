@@ -8,15 +8,49 @@
 
 namespace voxnav::occupancy {
 
-void SurfaceLeaf::add_scan(const geometry::Vec3f& offset) {
+void SurfaceLeaf::add_scan(const PointSpread& hits) {
   if (scans < 255) ++scans;
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
+  geometry::Vec3f moved;
   for (int axis = 0; axis < 3; ++axis) {
-    const float target = std::clamp(offset[axis], -0.5f, 0.5f) * (2.0f * kMeanUnits);
-    const float moved = static_cast<float>(mean[axis]) + (target - static_cast<float>(mean[axis])) * share;
-    mean[axis] = static_cast<std::int16_t>(std::lrint(moved));
+    const float old = static_cast<float>(mean[axis]) * (0.5f / kMeanUnits);
+    moved[axis] = std::clamp(hits.mean[axis], -0.5f, 0.5f) - old;
+    mean[axis] = static_cast<std::int16_t>(std::lrint((old + share * moved[axis]) * (2.0f * kMeanUnits)));
   }
+  int i = 0;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = row; column < 3; ++column, ++i) {
+      // Covariance of a mixture of two sets of points.
+      const float old = static_cast<float>(covariance[i]) / kCovarianceUnits;
+      const float mixed = (1.0f - share) * (old + share * moved[row] * moved[column]) + share * hits.covariance[i];
+      covariance[i] = static_cast<std::int16_t>(std::lrint(std::clamp(mixed, -0.25f, 0.25f) * kCovarianceUnits));
+    }
+  }
+  patience = std::max(patience, seen_through);
+  seen_through = 0;
   octants = 0;
+}
+
+bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
+  if (seen_through < 255) ++seen_through;
+  return seen_through > std::min<int>(patience, max_patience);
+}
+
+float SurfaceLeaf::squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction,
+                                    float least_spread) const {
+  const auto entry = [&](int i) { return static_cast<float>(covariance[i]) / kCovarianceUnits; };
+  const float least = least_spread * least_spread;
+  const float xx = entry(0) + least, xy = entry(1), xz = entry(2);
+  const float yy = entry(3) + least, yz = entry(4), zz = entry(5) + least;
+  // Adjugate: the inverse times the determinant.
+  Eigen::Matrix3f adjugate;
+  adjugate << yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,  //
+      xz * yz - xy * zz, xx * zz - xz * xz, xy * xz - xx * yz,          //
+      xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy;
+  const float determinant = xx * adjugate(0, 0) + xy * adjugate(1, 0) + xz * adjugate(2, 0);
+  const geometry::Vec3f weighted = adjugate * direction;
+  const float along = to_mean.dot(weighted);
+  return (to_mean.dot(adjugate * to_mean) - along * along / direction.dot(weighted)) / determinant;
 }
 
 OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block) const {
