@@ -201,8 +201,6 @@ py::tuple mesh_tuple(const submap::Mesh& mesh) {
 }
 
 void bind_submap(py::module_& m) {
-  // The occupancy floor binds it together with the local map that makes it.
-  if (!py::hasattr(m, "MapContent")) py::class_<MapContent>(m, "MapContent");
   bind_configs(m);
   bind_one_submap(m);
   bind_integrator(m);

@@ -154,3 +154,23 @@ def test_collection_save_and_load(tmp_path):
     index.write_bytes(index.read_bytes()[:-3])
     with pytest.raises(ValueError, match="index.vxi"):
         voxnav.SubmapCollection.load(str(tmp_path / "map"))
+
+
+def test_from_local_map_keeps_every_surface_of_the_map():
+    m = voxnav.LocalMap(voxnav.LocalMapConfig(resolution_m=VOXEL))
+    rng = np.random.RandomState(2)
+    xy = rng.uniform(-6, 6, (4000, 2))
+    scan = np.column_stack([xy, np.full(len(xy), -2.0)]).astype(np.float32)
+    for _ in range(4):
+        m.insert(scan, pose(0, 0, 3))
+    T_W_S = pose(1, -2, 3, 0.4)
+    u = voxnav.Submap.from_local_map(m, T_W_S)
+    in_W = m.occupied_points()
+    assert len(in_W) > 500
+    in_S = ((in_W - T_W_S[:3, 3]) @ T_W_S[:3, :3]).astype(np.float32)
+    assert len(u.occupied_points()) == len(in_W)
+    assert (u.states(np.ascontiguousarray(in_S)) == 2).mean() > 0.99
+    distance = u.distance(np.ascontiguousarray(in_S))
+    assert np.abs(distance).max() < 1.5 * VOXEL
+    on_surface = u.distance(u.surface_points())
+    assert np.abs(on_surface).max() < 0.5 * VOXEL and np.abs(on_surface.mean()) < 0.1 * VOXEL

@@ -9,6 +9,15 @@
 
 namespace voxnav::submap {
 
+/// geometry::index_of(p, 1.0) without the calls of std::floor; for coordinates within +-2^30.
+inline geometry::Index3 floor_index(const geometry::Vec3& p) {
+  const auto floor = [](double c) {
+    const auto i = static_cast<std::int32_t>(c);
+    return i - static_cast<std::int32_t>(c < i);
+  };
+  return {floor(p.x()), floor(p.y()), floor(p.z())};
+}
+
 /// Calls visit(voxel) for every voxel of the segment from a to b (in voxel edges), in order; stops when it returns
 /// false. The number of steps is counted in integers, so rounding can neither overshoot nor loop.
 /// Source: Amanatides & Woo 1987.

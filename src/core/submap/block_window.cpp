@@ -50,10 +50,9 @@ void BlockWindow::load_states() {
     for (int z = first[2]; z < last[2]; ++z) {
       for (int y = first[1]; y < last[1]; ++y) {
         std::uint8_t* row = &states_[position(first[0], y, z)];
-        const int offset = ((y - base[1]) << 4) | ((z - base[2]) << 8);
-        for (int x = first[0]; x < last[0]; ++x) {
-          *row++ = static_cast<std::uint8_t>(neighbors_[i]->states.get(offset | (x - base[0])));
-        }
+        const int offset = ((y - base[1]) << 4) | ((z - base[2]) << 8) | (first[0] - base[0]);
+        std::uint64_t bits = neighbors_[i]->states.words[static_cast<std::size_t>(offset >> 5)] >> (2 * (offset & 31));
+        for (int x = first[0]; x < last[0]; ++x, bits >>= 2) *row++ = static_cast<std::uint8_t>(bits & 3u);
       }
     }
   }

@@ -17,6 +17,14 @@ State state_in(const std::array<std::uint64_t, 2>& states, int voxel) {
   return static_cast<State>((states[voxel >> 5] >> (2 * (voxel & 31))) & 3u);
 }
 
+bool is_all_free(const containers::StateBlock& states) {
+  return std::all_of(states.words.begin(), states.words.end(),
+                     [](std::uint64_t w) { return w == 0x5555555555555555ull; });
+}
+
+/// Rounds -127 to 127 without a call.
+std::int8_t rounded(double value) { return static_cast<std::int8_t>(static_cast<int>(value + 128.5) - 128); }
+
 /// Squared distance from p to the cube of `side` voxels that starts at `lower`; nearest point of it on request.
 double squared_to_cube(const Vec3& p, const Index3& lower, double side, Vec3* nearest) {
   const Vec3 low(lower.x, lower.y, lower.z);
@@ -48,7 +56,11 @@ void CompressedField::add_block(const FilledBlock& filled) {
   block.index = filled.index;
   block.first_states = static_cast<std::uint32_t>(states_.size());
   block.first_near = static_cast<std::uint32_t>(near_.size());
-  for (int cell = 0; cell < kCells; ++cell) add_cell(filled, cell, &block);
+  if (filled.values.empty() && is_all_free(filled.states)) {
+    block.codes.fill(kAllFree);
+  } else {
+    for (int cell = 0; cell < kCells; ++cell) add_cell(filled, cell, &block);
+  }
   blocks_.push_back(block);
 }
 
@@ -64,7 +76,7 @@ void CompressedField::add_cell(const FilledBlock& filled, int cell, Block* block
     near.values[voxel] = kNoValue;
     const float value = filled.values.empty() ? std::nanf("") : filled.values[offset];
     if (!(value <= band_)) continue;
-    near.values[voxel] = static_cast<std::int8_t>(std::lround(std::max(-1.0, value / band_) * 127.0));
+    near.values[voxel] = rounded(std::max(-1.0, value / band_) * 127.0);
     has_value = true;
   }
   if (has_value || counts[2] > 0) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "voxnav/submap/voxel_walk.hpp"
+
 namespace voxnav::submap {
 namespace {
 
@@ -43,7 +45,7 @@ void EvidenceMap::drop_cleared(const Index3& index, const Submap& submap, const 
   const double clearing = clearing_distance_m_ / submap.resolution_m();
   const auto is_gone = [&](const EvidenceLeaf& leaf) {
     const Vec3 p = T_G_W * point_of(index, leaf) / submap.resolution_m();
-    if (field.state(geometry::index_of(p, 1.0)) != State::kFree) return false;
+    if (field.state(floor_index(p)) != State::kFree) return false;
     return !field.nearest(p, clearing, CompressedField::Target::kSurfacePoint);
   };
   // A voxel without leaves becomes unknown here; the free space of the newer submap is taken next.
@@ -56,9 +58,11 @@ void EvidenceMap::take_free(const Index3& index, const Submap& submap, const Pos
   const Vec3 first = T_G_W * geometry::center_of(geometry::voxel_at(index, 0), resolution_m_) / submap.resolution_m();
   const Eigen::Matrix3d step = T_G_W.linear() * scale;
   CompressedField::Reader reader(submap.field());
-  for (int offset = 0; offset < kBlockVolume; ++offset) {
-    const Vec3 p = first + step * Vec3(offset & 15, (offset >> 4) & 15, offset >> 8);
-    if (reader.state(geometry::index_of(p, 1.0)) == State::kFree) block->states.set(offset, State::kFree);
+  for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
+    Vec3 p = first + step * Vec3(0, row & 15, row >> 4);
+    for (int x = 0; x < kBlockSide; ++x, p += step.col(0)) {
+      if (reader.state(floor_index(p)) == State::kFree) block->states.set(row * kBlockSide + x, State::kFree);
+    }
   }
 }
 
@@ -74,7 +78,7 @@ void EvidenceMap::take_leaves(const Index3& index, const Submap& submap, std::ui
   containers::StateBlock seen;
   const auto take = [&](const Index3& voxel, const CompressedField::Leaf& leaf) {
     const Vec3 p = T_W_G * (surface_point(voxel, leaf) * submap.resolution_m()) / resolution_m_;
-    const Index3 at = geometry::index_of(p, 1.0);
+    const Index3 at = floor_index(p);
     if (geometry::block_of(at) != index) return;
     const Vec3 mean = (p - geometry::center_of(at, 1.0)) * 254.0;
     const auto byte = [](double v) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
 
 #include "voxnav/submap/block_window.hpp"
@@ -20,7 +21,18 @@ struct Neighborhood {
   int num_leaves = 0;
 };
 
+/// Unit vectors to the 26 neighbours, in the order of the loops below.
+std::array<Vec3f, 27> make_directions() {
+  std::array<Vec3f, 27> out;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3f step(static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1), static_cast<float>(i / 9 - 1));
+    out[static_cast<std::size_t>(i)] = i == 13 ? Vec3f(Vec3f::Zero()) : Vec3f(step.normalized());
+  }
+  return out;
+}
+
 Neighborhood look_around(const BlockWindow& window, const WindowLeaf& leaf) {
+  static const std::array<Vec3f, 27> directions = make_directions();
   Neighborhood out;
   for (int i = 0; i < 27; ++i) {
     const int dx = i % 3 - 1;
@@ -28,7 +40,7 @@ Neighborhood look_around(const BlockWindow& window, const WindowLeaf& leaf) {
     const int dz = i / 9 - 1;
     const State state = window.state(leaf.x + dx, leaf.y + dy, leaf.z + dz);
     if (state == State::kFree) {
-      out.towards_free += Vec3f(dx, dy, dz).normalized();
+      out.towards_free += directions[static_cast<std::size_t>(i)];
       ++out.num_free;
     } else if (state == State::kOccupied) {
       const WindowLeaf& other = window.leaves()[window.leaf_at(leaf.x + dx, leaf.y + dy, leaf.z + dz)];

@@ -24,26 +24,46 @@ double checked_resolution(double resolution_m, double safety_distance_m) {
 /// One bit per voxel of a block, a 16-bit word per row along x.
 using Mask = std::array<std::uint16_t, kBlockSide * kBlockSide>;
 
+int floor_of(double c) {
+  const int i = static_cast<int>(c);
+  return i - static_cast<int>(c < i);
+}
+/// First and last voxel of the block whose centre lies in [low, high].
+int first_center(double low) { return std::max(0, -floor_of(0.5 - low)); }
+int last_center(double high) { return std::min(kBlockSide - 1, floor_of(high - 0.5)); }
+
 /// Sets every voxel whose centre is nearer than `reach` to p; all in voxel edges from the block's corner.
 void add_ball(const Vec3& p, double reach, Mask* mask) {
   const double squared = reach * reach;
-  const auto first = [&](double c) { return std::max(0, static_cast<int>(std::ceil(c - reach - 0.5))); };
-  const auto last = [&](double c) { return std::min(kBlockSide - 1, static_cast<int>(std::floor(c + reach - 0.5))); };
-  const int y1 = last(p.y());
-  const int z1 = last(p.z());
-  for (int z = first(p.z()); z <= z1; ++z) {
+  const int y1 = last_center(p.y() + reach);
+  const int z1 = last_center(p.z() + reach);
+  for (int z = first_center(p.z() - reach); z <= z1; ++z) {
     const double dz = z + 0.5 - p.z();
-    for (int y = first(p.y()); y <= y1; ++y) {
+    for (int y = first_center(p.y() - reach); y <= y1; ++y) {
       const double dy = y + 0.5 - p.y();
       const double rest = squared - dy * dy - dz * dz;
       if (rest <= 0.0) continue;
       const double half = std::sqrt(rest);
-      const int x0 = std::max(0, static_cast<int>(std::ceil(p.x() - half - 0.5)));
-      const int x1 = std::min(kBlockSide - 1, static_cast<int>(std::floor(p.x() + half - 0.5)));
+      const int x0 = first_center(p.x() - half);
+      const int x1 = last_center(p.x() + half);
       if (x0 > x1) continue;
       (*mask)[static_cast<std::size_t>(y + kBlockSide * z)] |=
           static_cast<std::uint16_t>((0xFFFFu >> (kBlockSide - 1 - x1)) & (0xFFFFu << x0));
     }
+  }
+}
+
+/// Adds the leaves of one block whose corner lies at `corner` seen from the block of the mask.
+void add_leaves(const EvidenceBlock& block, const Index3& corner, double reach, Mask* mask) {
+  const double high = kBlockSide + reach;
+  for (const EvidenceLeaf& leaf : block.leaves) {
+    const double x = corner.x + (leaf.offset & 15) + 0.5 + leaf.mean[0] / 254.0;
+    if (x < -reach || x > high) continue;
+    const double y = corner.y + ((leaf.offset >> 4) & 15) + 0.5 + leaf.mean[1] / 254.0;
+    if (y < -reach || y > high) continue;
+    const double z = corner.z + (leaf.offset >> 8) + 0.5 + leaf.mean[2] / 254.0;
+    if (z < -reach || z > high) continue;
+    add_ball({x, y, z}, reach, mask);
   }
 }
 
@@ -87,12 +107,7 @@ containers::StateBlock ObstacleMap::compute(const Index3& index, const EvidenceM
       for (int x = -reach_blocks_; x <= reach_blocks_; ++x) {
         const EvidenceBlock* near = evidence.find(index + Index3{x, y, z});
         if (!near) continue;
-        const Vec3 corner(x * kBlockSide, y * kBlockSide, z * kBlockSide);
-        for (const EvidenceLeaf& leaf : near->leaves) {
-          const Index3 local = geometry::voxel_at({0, 0, 0}, leaf.offset);
-          const Vec3 mean(leaf.mean[0], leaf.mean[1], leaf.mean[2]);
-          add_ball(corner + geometry::center_of(local, 1.0) + mean / 254.0, reach, &mask);
-        }
+        add_leaves(*near, {x * kBlockSide, y * kBlockSide, z * kBlockSide}, reach, &mask);
       }
     }
   }

@@ -25,8 +25,8 @@ std::vector<float> splat(const BlockWindow& window, float band) {
   const float band2 = band * band * 1.0001f;
   for (const WindowLeaf& leaf : window.leaves()) {
     const Vec3f p = Vec3f(leaf.x, leaf.y, leaf.z) + leaf.mean();
-    const int x0 = std::max(0, leaf.x - reach);
-    const int x1 = std::min(kBlockSide, leaf.x + reach + 1);
+    float along_x[kBlockSide];
+    for (int x = 0; x < kBlockSide; ++x) along_x[x] = (static_cast<float>(x) - p.x()) * (static_cast<float>(x) - p.x());
     const int y1 = std::min(kBlockSide, leaf.y + reach + 1);
     const int z1 = std::min(kBlockSide, leaf.z + reach + 1);
     for (int z = std::max(0, leaf.z - reach); z < z1; ++z) {
@@ -35,11 +35,9 @@ std::vector<float> splat(const BlockWindow& window, float band) {
         const float dz = static_cast<float>(z) - p.z();
         const float base = dy * dy + dz * dz;
         if (base > band2) continue;
+        // Whole rows: a loop of fixed length is vectorised, which costs less than finding where the ball ends.
         float* row = &squared[static_cast<std::size_t>((y << 4) | (z << 8))];
-        for (int x = x0; x < x1; ++x) {
-          const float dx = static_cast<float>(x) - p.x();
-          row[x] = std::min(row[x], base + dx * dx);
-        }
+        for (int x = 0; x < kBlockSide; ++x) row[x] = std::min(row[x], base + along_x[x]);
       }
     }
   }
@@ -77,72 +75,93 @@ std::vector<int> squared_to_free(const BlockWindow& window, int reach) {
   return from;
 }
 
-/// Nearest surface point among the 27 voxels around an unknown one gives its signed plane distance.
-float ghost_value(const BlockWindow& window, int x, int y, int z) {
-  float best = kFar;
-  float value = kNone;
+/// Squared distance in voxels to the nearest free voxel of the 26 around; 0 when none is free.
+int squared_to_free_neighbor(const BlockWindow& window, const WindowLeaf& leaf) {
+  int best = 0;
   for (int i = 0; i < 27; ++i) {
-    const int index = window.leaf_at(x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1);
-    if (index < 0) continue;
-    const WindowLeaf& leaf = window.leaves()[index];
+    const int dx = i % 3 - 1;
+    const int dy = i / 3 % 3 - 1;
+    const int dz = i / 9 - 1;
+    const int squared = dx * dx + dy * dy + dz * dz;
+    if (best > 0 && squared >= best) continue;
+    if (window.state(leaf.x + dx, leaf.y + dy, leaf.z + dz) == State::kFree) best = squared;
+  }
+  return best;
+}
+
+bool is_enclosed(const BlockWindow& window, const WindowLeaf& leaf) {
+  const auto is_occupied = [&](int dx, int dy, int dz) {
+    return window.state(leaf.x + dx, leaf.y + dy, leaf.z + dz) == State::kOccupied;
+  };
+  return is_occupied(1, 0, 0) && is_occupied(-1, 0, 0) && is_occupied(0, 1, 0) && is_occupied(0, -1, 0) &&
+         is_occupied(0, 0, 1) && is_occupied(0, 0, -1);
+}
+
+/// Gives the unknown voxels around a leaf the signed distance to its plane, where it is their nearest leaf.
+void spread_ghosts(const BlockWindow& window, const WindowLeaf& leaf, std::vector<float>* nearest,
+                   std::vector<float>* values) {
+  for (int i = 0; i < 27; ++i) {
+    const int x = leaf.x + i % 3 - 1;
+    const int y = leaf.y + i / 3 % 3 - 1;
+    const int z = leaf.z + i / 9 - 1;
+    if (((x | y | z) & ~15) != 0 || window.state(x, y, z) != State::kUnknown) continue;
     const Vec3f from_surface = Vec3f(x - leaf.x, y - leaf.y, z - leaf.z) - leaf.mean();
-    const float distance = from_surface.norm();
-    if (distance >= best) continue;
-    best = distance;
+    const float squared = from_surface.squaredNorm();
+    const auto offset = static_cast<std::size_t>(x | (y << 4) | (z << 8));
+    if (squared >= (*nearest)[offset]) continue;
+    (*nearest)[offset] = squared;
     // Behind what has no free side at all is more of it; around a thin thing is outside.
     const bool is_one_sided = leaf.leaf->quality >= kSolidQuality;
     const bool is_deep = leaf.leaf->quality == 0.f;
-    value = is_one_sided ? leaf.leaf->normal.dot(from_surface) : is_deep ? -distance : distance;
+    const float distance = std::sqrt(squared);
+    (*values)[offset] = is_one_sided ? leaf.leaf->normal.dot(from_surface) : is_deep ? -distance : distance;
   }
-  return value;
 }
 
 /// Values of one block; the window has a halo wider than the band.
 class BlockFiller {
  public:
-  BlockFiller(const BlockWindow& window, float band)
-      : window_(window), band_(band), squared_(splat(window, band)), reach_(window.halo()) {}
+  BlockFiller(const BlockWindow& window, float band) : window_(window), band_(band) {}
 
   std::vector<float> values() {
     std::vector<float> out(kBlockVolume, kNone);
+    const std::vector<float> squared = splat(window_, band_);
     for (int offset = 0; offset < kBlockVolume; ++offset) {
-      const int x = offset & 15;
-      const int y = (offset >> 4) & 15;
-      const int z = offset >> 8;
-      switch (window_.state(x, y, z)) {
-        case State::kFree:
-          if (squared_[offset] < kFar) out[offset] = std::sqrt(squared_[offset]);
-          break;
-        case State::kOccupied:
-          out[offset] = inside_value(x, y, z);
-          break;
-        case State::kUnknown:
-          // A leaf in the 26-neighbourhood is nearer than this.
-          if (squared_[offset] < 9.f) out[offset] = ghost_value(window_, x, y, z);
-          break;
-      }
+      if (squared[offset] > band_ * band_) continue;
+      if (window_.state(offset & 15, (offset >> 4) & 15, offset >> 8) == State::kFree)
+        out[offset] = std::sqrt(squared[offset]);
+    }
+    std::vector<float> nearest(kBlockVolume, kFar);
+    for (const WindowLeaf& leaf : window_.leaves()) {
+      const bool is_near = std::min({leaf.x, leaf.y, leaf.z}) >= -1 && std::max({leaf.x, leaf.y, leaf.z}) <= kBlockSide;
+      if (!is_near) continue;
+      spread_ghosts(window_, leaf, &nearest, &out);
+      if (((leaf.x | leaf.y | leaf.z) & ~15) == 0) out[leaf.leaf->offset] = inside_value(leaf);
     }
     return out;
   }
 
  private:
-  float inside_value(int x, int y, int z) {
+  float inside_value(const WindowLeaf& leaf) {
     constexpr float kDeepest = -0.1f;
-    const WindowLeaf& leaf = window_.leaves()[window_.leaf_at(x, y, z)];
     const float to_plane = -leaf.leaf->normal.dot(leaf.mean());
     if (leaf.leaf->quality >= kPlanarQuality) return to_plane;
     if (leaf.leaf->quality >= kOneSidedQuality) return std::min(to_plane, kDeepest);
-    if (to_free_.empty()) to_free_ = squared_to_free(window_, reach_ - 1);
+    int squared = squared_to_free_neighbor(window_, leaf);
+    // What lies in unknown space may be one voxel thick; only what is enclosed is known to be deep inside.
+    if (squared == 0) squared = is_enclosed(window_, leaf) ? deep(leaf) : 1;
+    return std::max(0.5f - std::sqrt(static_cast<float>(squared)), -band_);
+  }
+
+  int deep(const WindowLeaf& leaf) {
     const int halo = window_.halo();
     const int side = window_.side();
-    const int squared = to_free_[static_cast<std::size_t>(x + halo + side * (y + halo + side * (z + halo)))];
-    return std::max(0.5f - std::sqrt(static_cast<float>(squared)), -band_);
+    if (to_free_.empty()) to_free_ = squared_to_free(window_, halo - 1);
+    return to_free_[static_cast<std::size_t>(leaf.x + halo + side * (leaf.y + halo + side * (leaf.z + halo)))];
   }
 
   const BlockWindow& window_;
   float band_;
-  std::vector<float> squared_;
-  int reach_;
   std::vector<int> to_free_;
 };
 
@@ -152,7 +171,9 @@ FilledBlock convert(const occupancy::ContentBlock& block) {
   out.states = block.states;
   out.leaves.reserve(block.occupied.size());
   std::size_t num_occupied = 0;
-  for (int offset = 0; offset < kBlockVolume; ++offset) num_occupied += block.states.get(offset) == State::kOccupied;
+  for (const std::uint64_t word : block.states.words) {
+    num_occupied += static_cast<std::size_t>(__builtin_popcountll(word & 0xAAAAAAAAAAAAAAAAull));
+  }
   int last = -1;
   for (const occupancy::OccupiedLeaf& leaf : block.occupied) {
     const bool fits =

@@ -7,6 +7,7 @@
 
 #include "voxnav/submap/occupancy_filling.hpp"
 #include "voxnav/submap/surface_sampling.hpp"
+#include "voxnav/submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -78,7 +79,7 @@ void Submap::update_bounds() {
 bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return false;
-  const State state = field_.state(geometry::index_of(p, 1.0));
+  const State state = field_.state(floor_index(p));
   if (state == State::kUnknown) return false;
   double distance = 0.0;
   Vec3 slope = Vec3::Zero();
@@ -99,7 +100,7 @@ bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
 
 bool Submap::sample_near(const Vec3& p, double* distance, Vec3* gradient) const {
   const Vec3 from_centers = p - Vec3::Constant(0.5);
-  const Index3 lower = geometry::index_of(from_centers, 1.0);
+  const Index3 lower = floor_index(from_centers);
   std::array<float, 8> corners;
   if (!field_.corners(lower, &corners)) return false;
   const Trilinear mixed = interpolate(corners, from_centers - Vec3(lower.x, lower.y, lower.z));
@@ -125,7 +126,7 @@ void Submap::sample_certified(const Vec3& p, double* distance, Vec3* gradient) c
 State Submap::state(const Vec3& p_S) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return State::kUnknown;
-  return field_.state(geometry::index_of(p, 1.0));
+  return field_.state(floor_index(p));
 }
 
 std::vector<geometry::Vec3f> Submap::occupied_points() const {

@@ -30,6 +30,13 @@ double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
   return largest;
 }
 
+void check_pose(const Pose& T_W_S) {
+  constexpr double kFarthest_m = 1e6;  // voxel indices stay within 32 bits
+  if (!geometry::is_valid(T_W_S)) throw std::invalid_argument("T_W_S must be a finite rigid transform");
+  if (T_W_S.translation().cwiseAbs().maxCoeff() > kFarthest_m)
+    throw std::invalid_argument("T_W_S is farther than 1000 km");
+}
+
 }  // namespace
 
 SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
@@ -37,7 +44,7 @@ SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
 
 void SubmapCollection::add(SubmapEntry entry) {
   if (!entry.submap) throw std::invalid_argument("a submap entry needs a submap");
-  if (!geometry::is_valid(entry.T_W_S)) throw std::invalid_argument("T_W_S must be a finite rigid transform");
+  check_pose(entry.T_W_S);
   remove(entry.id);
   const Key key(entry.end_ns, entry.id);
   submap_bytes_ += entry.submap->memory_bytes();
@@ -56,7 +63,7 @@ void SubmapCollection::enforce_limits() {
 }
 
 bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S) {
-  if (!geometry::is_valid(T_W_S)) throw std::invalid_argument("T_W_S must be a finite rigid transform");
+  check_pose(T_W_S);
   Record* found = record(id);
   if (found) found->entry.T_W_S = T_W_S;
   return found != nullptr;

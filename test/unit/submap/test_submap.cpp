@@ -194,3 +194,11 @@ TEST(Submap, BadConfigurationIsRefused) {
   config.band_voxels = 1.0;
   EXPECT_THROW(make(test::random_content(1, 4, 0.1, 0.1, kVoxel), Pose::Identity(), config), base::ConfigError);
 }
+
+TEST(Submap, LonelyVoxelInUnknownSpaceIsNotDeepInside) {
+  test::ContentBuilder builder(kVoxel);
+  builder.set_occupied({5, 5, 5});
+  builder.set_free({8, 5, 5});
+  const auto field = make(builder.build());
+  EXPECT_NEAR(distance_at(*field, geometry::center_of({5, 5, 5}, kVoxel)), -0.5 * kVoxel, 0.01);
+}
