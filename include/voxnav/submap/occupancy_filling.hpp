@@ -13,7 +13,7 @@ namespace voxnav::submap {
 ///  - free voxels: exact distance of their centre to the nearest surface point (mean of hits of an occupied leaf);
 ///  - occupied voxels seen from one side: signed distance to the plane through their surface point, so that the zero
 ///    level runs through the points that were measured; all others: -(distance to the nearest free centre - half an
-///    edge);
+///    edge), or minus half an edge where nothing free is beside it and it is not enclosed by occupied voxels;
 ///  - unknown voxels beside an occupied one: signed distance to its plane. They stay unknown and only serve
 ///    interpolation inside the known voxels next to them.
 /// Exact to float rounding within the band; error of inside values at most half an edge. O(leaves * band^3).
