@@ -84,9 +84,6 @@ TEST(RegisteredGraph, RevisitInForestIsPulledTogether) {
   EXPECT_GT(report.num_pairs, 20);
   EXPECT_LE(report.cost_after, report.cost_before);
   RecordProperty("seconds", std::to_string(report.seconds));
-  std::printf("[ measure ] %.3f m -> %.3f m, %d pairs, %d iterations, %d evaluations, %d searches, %.3f s\n", before,
-              rmse(graph, flight.truth), report.num_pairs, report.iterations, report.num_pair_evaluations,
-              report.num_searches, report.seconds);
 }
 
 TEST(RegisteredGraph, SecondSolveIsWarm) {
@@ -118,11 +115,6 @@ TEST(RegisteredGraph, GrowsSubmapBySubmapWithinItsBudget) {
     worst_s = std::max(worst_s, graph.optimize().seconds);
   }
   EXPECT_LT(rmse(graph, flight.truth), 0.12);
-  std::printf("[ measure ] rmse %.3f m, worst solve %.3f s\n", rmse(graph, flight.truth), worst_s);
-}
-
-TEST(RegisteredGraph, RepeatsBitByBit) {
-  const Flight& flight = forest_flight();
   SubmapGraph first = graph_of(flight);
   SubmapGraph second = graph_of(flight);
   first.optimize();
