@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // CloudFilter against the same chain of PCL filters, on one organised cloud of 256 x 1024 points in the Ouster layout.
 // Both keep the same points; the benchmark stops when they do not.
+#include "voxnav/cloud/cloud_filter.hpp"
+
 #include <benchmark/benchmark.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/conversions.h>
@@ -13,7 +15,6 @@
 #include <random>
 
 #include "raw_cloud.hpp"
-#include "voxnav/cloud/cloud_filter.hpp"
 
 namespace {
 
