@@ -22,6 +22,8 @@ namespace pipeline = voxnav::pipeline;
 
 constexpr double kLogPeriod_s = 5.0;
 constexpr double kRetryPeriod_s = 0.005;
+/// Longer than the period of diagnostics, so that the next good scan does not hide a warning.
+constexpr double kWarningHold_s = 2.0;
 
 /// Due when `period_s` has passed since the last time, or when time went back.
 bool is_due(const ros::Time& now, double period_s, ros::Time* last) {
@@ -134,7 +136,9 @@ class LocalMapperNodelet : public NodeletBase {
     diagnostics().set_counter("cells_freed", static_cast<double>(s.cells_freed));
     diagnostics().set_counter("blocks_evicted_dropped", static_cast<double>(map_->num_evicted_dropped()));
     diagnostics().set_counter("map_mb", static_cast<double>(map_->memory_bytes()) * 1e-6);
-    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    if (ros::SteadyTime::now() > warned_ + ros::WallDuration(kWarningHold_s)) {
+      diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    }
   }
 
   std_msgs::Header header(const ros::Time& stamp) const {
@@ -204,6 +208,7 @@ class LocalMapperNodelet : public NodeletBase {
   }
 
   void warn(const std::string& text) {
+    warned_ = ros::SteadyTime::now();
     diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
     NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
   }
@@ -274,6 +279,7 @@ class LocalMapperNodelet : public NodeletBase {
   std::optional<std::uint32_t> estimator_iteration_;
   std::uint32_t sequence_ = 0;
   std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0;
+  ros::SteadyTime warned_;
   ros::Time newest_stamp_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;

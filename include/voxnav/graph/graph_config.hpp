@@ -14,9 +14,10 @@ struct SubmapGraphConfig {
   int sample_points = 1200;
   double sample_cell_m = 3.2;
   int points_per_pair = 200;
+  int coarse_points = 400;
   int min_points_per_pair = 40;
   double min_overlap_ratio = 0.2;
-  double overlap_refresh_m = 1.0;
+  double overlap_refresh_m = 0.4;
   double registration_sigma_m = 0.2;
   double registration_effective_points = 50.0;
   double noise_floor = 0.03;
@@ -26,9 +27,9 @@ struct SubmapGraphConfig {
   double search_range_m = 3.2;
   double search_range_rad = 0.2;
   int search_points = 100;
-  double search_outlier_ratio = 0.35;
+  double search_outlier_ratio = 0.1;
   double search_min_advantage = 0.9;
-  int max_searches = 4;
+  int max_searches = 20;
   // Pairs
   double pair_block_m = 6.4;
   int max_pairs_per_submap = 40;
@@ -58,6 +59,7 @@ void SubmapGraphConfig::fields(V&& v) {
   v("sample_points", &C::sample_points, in(50, 20000), "", "surface points kept per submap for registration");
   v("sample_cell_m", &C::sample_cell_m, in(0.1, 50), "m", "points are spread evenly over cells of this edge");
   v("points_per_pair", &C::points_per_pair, in(20, 5000), "", "points per direction used to register a pair");
+  v("coarse_points", &C::coarse_points, in(20, 5000), "", "points per direction while a pair is still metres off");
   v("min_points_per_pair", &C::min_points_per_pair, in(5, 5000), "", "pairs with fewer points are not registered");
   v("min_overlap_ratio", &C::min_overlap_ratio, in(0.01, 1), "", "share of a submap's points inside the other");
   v("overlap_refresh_m", &C::overlap_refresh_m, in(0.1, 10), "m", "a pair's points are chosen anew after this move");
@@ -70,7 +72,8 @@ void SubmapGraphConfig::fields(V&& v) {
   v("search_range_m", &C::search_range_m, in(0, 20), "m", "half width of the search window in x and y; 0 switches off");
   v("search_range_rad", &C::search_range_rad, in(0, 3.2), "rad", "half width of the search window in yaw");
   v("search_points", &C::search_points, in(20, 2000), "", "points per direction used by the search");
-  v("search_outlier_ratio", &C::search_outlier_ratio, in(0, 1), "", "search when descent leaves more than this misfit");
+  v("search_outlier_ratio", &C::search_outlier_ratio, in(0, 1), "",
+    "search when descent leaves a larger share of outliers");
   v("search_min_advantage", &C::search_min_advantage, in(0, 1), "",
     "the best cost must be below this share of others'");
   v("max_searches", &C::max_searches, in(0, 1000), "", "searches per solve");

@@ -28,4 +28,7 @@ struct SurfaceSample {
 /// or have no positive weight are left out. Deterministic; O(n log n).
 SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, int max_points, double cell_m);
 
+/// The first points of a sample against the coarse field of the same surfaces: for the way in from metres away.
+SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m);
+
 }  // namespace voxnav::graph

@@ -24,9 +24,9 @@ class EndVoxels {
 
   void clear();
   /// `end` must lie inside the window.
-  void add_hit(const geometry::Vec3& end);
+  void add_hit(const geometry::Vec3f& end);
   /// A beam that went on behind `end`. The first one in a voxel is kept.
-  void add_clearing(const geometry::Vec3& end);
+  void add_clearing(const geometry::Vec3f& end);
   /// Call once after the last add. Hits come grouped by block, in the order in which blocks were first hit.
   void finish();
 
@@ -57,14 +57,18 @@ class EndVoxels {
     std::uint32_t block;  ///< in blocks_
     std::uint32_t offset;
   };
-  struct EndPoint {
-    Address address;
-    geometry::Vec3f from_center;
-  };
   struct Sum {
     geometry::Vec3f offset = geometry::Vec3f::Zero();
     std::array<float, 6> product{};
     int count = 0;
+    void add(const geometry::Vec3f& from_center);
+    void add(const Sum& other);
+  };
+  /// Neighbouring beams mostly end in one voxel, so runs of them are summed before the voxel is looked up.
+  struct EndRun {
+    geometry::Index3 voxel;
+    Address address;
+    Sum sum;
   };
   static PointSpread spread_of(const Sum& sum);
   Address address_of(int x, int y, int z);
@@ -73,7 +77,7 @@ class EndVoxels {
   std::array<int, 3> num_blocks_;
   std::vector<std::int32_t> index_;  ///< of a slot in blocks_, -1 = none
   std::vector<Block> blocks_;
-  std::vector<EndPoint> points_;
+  std::vector<EndRun> runs_;
   std::vector<Sum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;

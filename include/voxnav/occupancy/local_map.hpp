@@ -116,7 +116,7 @@ class LocalMap {
   void collect_points(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L,
                       InsertStatistics* statistics);
   void collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L);
-  void add_clearing(const geometry::Vec3& origin, geometry::Vec3 end);
+  void add_clearing(const geometry::Vec3f& origin, geometry::Vec3f end);
   void cast_rays(const geometry::Vec3& origin);
   void weigh_crossings();
   void update_blocks(InsertStatistics* statistics);

@@ -24,17 +24,19 @@ class RayMarker {
   /// 64 voxels of a block.
   struct Row {
     std::uint64_t passed = 0;
-    std::uint64_t surface = 0;  ///< voxels that hold hits of earlier scans and were not hit in this one
+    std::uint64_t surface =
+        0;  ///< voxels that hold hits of earlier scans and were neither hit nor seen through in this
   };
   /// A ray that crossed a voxel with hits: which octants it went through, all of them when it met the mean.
   struct Crossing {
+    SurfaceLeaf* leaf;
     std::uint32_t slot;
     std::uint16_t offset;
     std::uint8_t octants;
   };
 
   /// Forgets all marks. All references must outlive the casts; origin in voxel edges from the window's corner.
-  void begin(const BlockWindow& window, const EndVoxels& ends, const ScanBox& box, const MissGuard& guard,
+  void begin(BlockWindow& window, const EndVoxels& ends, const ScanBox& box, const MissGuard& guard,
              const geometry::Vec3& origin);
   /// Marks every voxel on the line from `end` to the origin, both included. A ray that is no evidence against
   /// surfaces leaves voxels that hold hits alone. Both points must lie in the box.
@@ -60,9 +62,9 @@ class RayMarker {
   void walk(const Line& line, const Ray& ray);
   static std::uint32_t corner(const Line& line, const Across& from, const Across& to);
   void cross_surfaces(std::uint32_t row, std::uint64_t bits, const Ray& ray);
-  void cross_surface(std::uint32_t block, int offset, const Ray& ray);
+  bool cross_surface(std::uint32_t block, int offset, const Ray& ray);
 
-  const BlockWindow* window_ = nullptr;
+  BlockWindow* window_ = nullptr;
   const ScanBox* box_ = nullptr;
   MissGuard guard_;
   geometry::Vec3f origin_ = geometry::Vec3f::Zero();

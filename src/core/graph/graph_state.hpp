@@ -14,6 +14,7 @@ namespace voxnav::graph {
 
 struct Node {
   SurfaceSample sample;                    ///< field is null when the submap is not registered
+  SurfaceSample coarse;                    ///< the same surfaces as the first steps of registration see them
   std::vector<geometry::Index3> blocks_S;  ///< cells of pair_block_m that hold sample points
 };
 

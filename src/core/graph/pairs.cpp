@@ -15,13 +15,7 @@ double motion_m(const Pose4& from, const Pose4& to, double radius_m) {
 
 double size_of(const PairOverlap& overlap) { return static_cast<double>(overlap.of_a.size() + overlap.of_b.size()); }
 
-std::vector<double> kernels_of(const GraphState& state, const RegistrationPair& pair) {
-  const double coarse = state.config.coarse_kernel_voxels;
-  const double fine = state.config.fine_kernel_voxels;
-  return {state.kernel_m(pair, coarse), state.kernel_m(pair, std::sqrt(coarse * fine)), state.kernel_m(pair, fine)};
-}
-
-/// Share of the pair's weight that its best kernel calls outliers.
+/// Share of the pair's weight that its kernel calls outliers.
 double misfit(const PairModel& model, double kernel_m) { return model.cost_m2 / (kernel_m * kernel_m); }
 
 void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair) {
@@ -40,31 +34,95 @@ void set_model(const GraphState& state, const PairModel& model, RegistrationPair
   pair->factor = to_factor(model, pair->information, state.config.noise_floor, fine_m);
 }
 
-/// Registers one pair by itself, from where the graph has it; searches when descent ends in a misfit.
-void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair, OptimizeReport* report) {
-  const SubmapGraphConfig& config = state.config;
-  const SurfaceSample& a = state.nodes.at(pair->a).sample;
-  const SurfaceSample& b = state.nodes.at(pair->b).sample;
-  const std::vector<double> kernels = kernels_of(state, *pair);
-  PairModel model = refine_pair(a, b, pair->overlap, T_A_B, kernels, config.noise_floor);
-  const bool may_search = config.search_range_m > 0.0 && report->num_searches < config.max_searches;
-  if (may_search && misfit(model, kernels.back()) > config.search_outlier_ratio) {
-    ++report->num_searches;
-    const PairSearch search{config.search_range_m, config.search_range_rad, 2.0 * state.voxel_m(*pair),
-                            config.search_points, config.search_min_advantage};
-    const std::optional<Pose4> found = search_pair(a, b, T_A_B, search);
-    if (found) {
-      RegistrationPair moved = *pair;
-      choose_points(state, *found, &moved);
-      const PairModel better = refine_pair(a, b, moved.overlap, *found, kernels, config.noise_floor);
-      const double advantage = config.search_min_advantage;
-      if (moved.is_active && misfit(better, kernels.back()) < advantage * misfit(model, kernels.back())) {
-        *pair = std::move(moved);
-        model = better;
-      }
-    }
+/// Share of the submap that the pair explains: overlap, less what does not fit in it.
+double support(const GraphState& state, const RegistrationPair& pair) {
+  if (!pair.is_active) return 0.0;
+  return pair.overlap.ratio * (1.0 - misfit(pair.model, state.kernel_m(pair, state.config.fine_kernel_voxels)));
+}
+
+/// A registration that ends farther away than it may search has run off, whatever it fits.
+bool is_within_reach(const GraphState& state, const Pose4& from, const Pose4& to) {
+  constexpr double kSlackM = 1.0;
+  constexpr double kSlackRad = 0.05;
+  return (to - from).head<3>().norm() < state.config.search_range_m + kSlackM &&
+         std::abs(geometry::wrap_angle(to[3] - from[3])) < state.config.search_range_rad + kSlackRad;
+}
+
+/// Registers one pair by descent on the submaps' own fields. Nearer to the truth more points find observed space, so
+/// that points and pose are found in turn.
+RegistrationPair descended(const GraphState& state, const Pose4& T_A_B, const RegistrationPair& pair) {
+  constexpr int kMaxRounds = 3;
+  const double fine_m = state.kernel_m(pair, state.config.fine_kernel_voxels);
+  RegistrationPair best = pair;
+  choose_points(state, T_A_B, &best);
+  if (!best.is_active) return best;
+  const SurfaceSample& a = state.nodes.at(pair.a).sample;
+  const SurfaceSample& b = state.nodes.at(pair.b).sample;
+  set_model(state, evaluate_pair(a, b, best.overlap, T_A_B, fine_m), &best);
+  Pose4 at = T_A_B;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    RegistrationPair next = pair;
+    choose_points(state, at, &next);
+    if (!next.is_active) break;
+    set_model(state, refine_pair(a, b, next.overlap, at, {2.0 * fine_m, fine_m}, state.config.noise_floor), &next);
+    const bool is_better = support(state, next) > support(state, best);
+    if (!is_better || !is_within_reach(state, T_A_B, next.model.T_A_B)) break;
+    const double moved_m = motion_m(at, next.model.T_A_B, next.model.radius_m);
+    at = next.model.T_A_B;
+    best = std::move(next);
+    if (moved_m < 0.1 * fine_m) break;
   }
-  set_model(state, model, pair);
+  return best;
+}
+
+/// The same pair on the coarse fields, which reach metres farther.
+struct CoarsePair {
+  CoarsePair(const GraphState& s, const RegistrationPair& pair)
+      : state(s),
+        a(s.nodes.at(pair.a).coarse),
+        b(s.nodes.at(pair.b).coarse),
+        kernels{s.kernel_m(pair, s.config.coarse_kernel_voxels),
+                s.kernel_m(pair, std::max(1.0, 0.5 * s.config.coarse_kernel_voxels))} {}
+
+  PairModel descend(const Pose4& from) const {
+    return refine_pair(a, b, overlap_at(from), from, kernels, state.config.noise_floor);
+  }
+  double misfit_at(const Pose4& at) const {
+    return misfit(evaluate_pair(a, b, overlap_at(at), at, kernels.back()), kernels.back());
+  }
+  PairOverlap overlap_at(const Pose4& at) const { return find_overlap(a, b, at, state.config.coarse_points); }
+
+  const GraphState& state;
+  const SurfaceSample& a;
+  const SurfaceSample& b;
+  std::vector<double> kernels;
+};
+
+/// Where the coarse fields put the pair: by descent, or by search where an alignment stands out that fits better.
+Pose4 approach(const CoarsePair& coarse, const Pose4& T_A_B, double voxel_m, OptimizeReport* report) {
+  const SubmapGraphConfig& config = coarse.state.config;
+  const PairModel descended = coarse.descend(T_A_B);
+  if (config.search_range_m <= 0.0 || report->num_searches >= config.max_searches) return descended.T_A_B;
+  ++report->num_searches;
+  const PairSearch search{config.search_range_m, config.search_range_rad, 2.0 * voxel_m, config.search_points,
+                          config.search_min_advantage};
+  const std::optional<Pose4> found = search_pair(coarse.a, coarse.b, T_A_B, search);
+  if (!found) return descended.T_A_B;
+  const PairModel searched = coarse.descend(*found);
+  return searched.cost_m2 < config.search_min_advantage * descended.cost_m2 ? searched.T_A_B : descended.T_A_B;
+}
+
+/// Registers one pair from where the graph has it; the way over the coarse fields has to explain clearly more.
+void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair, OptimizeReport* report) {
+  RegistrationPair here = descended(state, T_A_B, *pair);
+  const CoarsePair coarse(state, *pair);
+  const Pose4 start = here.is_active ? here.model.T_A_B : T_A_B;
+  if (coarse.misfit_at(start) > state.config.search_outlier_ratio) {
+    RegistrationPair there = descended(state, approach(coarse, start, state.voxel_m(*pair), report), *pair);
+    const bool explains_more = state.config.search_min_advantage * support(state, there) > support(state, here);
+    if (explains_more && is_within_reach(state, T_A_B, there.model.T_A_B)) here = std::move(there);
+  }
+  *pair = std::move(here);
 }
 
 bool is_stale(const RegistrationPair& pair, const Pose4& T_A_B, double refresh_m) {
@@ -115,10 +173,8 @@ void update_pairs(GraphState* state, bool is_full, OptimizeReport* report) {
   for (RegistrationPair* pair : pairs_to_form(state, is_full)) {
     const Pose4 T_A_B = relative_of(state->estimate.poses, pair->a, pair->b);
     pair->considered_at = T_A_B;
-    choose_points(*state, T_A_B, pair);
-    if (!pair->is_active) continue;
     register_pair(*state, T_A_B, pair, report);
-    ++report->num_new_pairs;
+    report->num_new_pairs += pair->is_active;
   }
 }
 

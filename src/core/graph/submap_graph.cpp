@@ -14,6 +14,8 @@ namespace {
 
 constexpr const char* kKindNames[kNumConstraintKinds] = {"odometry", "registration", "loop", "gnss", "height"};
 
+constexpr double kReachKernels = 1.5;  // a point this many kernels away is an outlier wherever it is
+
 double cpu_seconds() {
   timespec now;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -89,7 +91,12 @@ void SubmapGraph::add_submap(int id, const geometry::Pose& T_W_S,
   }
   const Pose4 pose = to_pose4(T_W_S, "T_W_S");
   Node node;
-  if (field) node.sample = draw_sample(std::move(field), state.config.sample_points, state.config.sample_cell_m);
+  if (field) {
+    const SubmapGraphConfig& config = state.config;
+    node.sample = draw_sample(std::move(field), config.sample_points, config.sample_cell_m);
+    const double reach_m = config.coarse_kernel_voxels * kReachKernels * node.sample.field->resolution_m();
+    node.coarse = coarsen(node.sample, config.coarse_points, 2.0 * node.sample.field->resolution_m(), reach_m);
+  }
   node.blocks_S = blocks_of(node.sample, state.config.pair_block_m);
   state.nodes.emplace(id, std::move(node));
   state.estimate.poses.emplace(id, pose);

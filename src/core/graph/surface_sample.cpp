@@ -6,6 +6,7 @@
 #include <map>
 
 #include "voxnav/geometry/voxel.hpp"
+#include "voxnav/graph/coarse_field.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -66,6 +67,18 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
     }
   }
   out.field = std::move(field);
+  return out;
+}
+
+SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m) {
+  SurfaceSample out;
+  out.field = std::make_shared<CoarseField>(sample.field->surface_points(), cell_m, reach_m);
+  for (const SamplePoint& point : sample.points) {
+    if (out.points.size() >= static_cast<std::size_t>(max_points)) break;
+    out.points.push_back(point);
+    double& own_m = out.points.back().own_distance_m;
+    if (!out.field->sample(point.position_S, &own_m, nullptr)) out.points.pop_back();
+  }
   return out;
 }
 

@@ -21,9 +21,9 @@ VoxelBits hit_bits(const BlockEvidence& evidence) {
 
 /// Voxels without hits of their own are missed by any ray that crosses them, the others only by one that went through
 /// where the hits were.
-std::uint64_t miss_bits(const BlockEvidence& evidence, const VoxelBits& hits, int word) {
+std::uint64_t miss_bits(const BlockEvidence& evidence, const SurfaceLeaves& leaves, const VoxelBits& hits, int word) {
   const std::uint64_t through = evidence.through != nullptr ? (*evidence.through)[word] : 0;
-  const std::uint64_t passed = evidence.rows != nullptr ? evidence.rows[word].passed & ~evidence.rows[word].surface : 0;
+  const std::uint64_t passed = evidence.rows != nullptr ? evidence.rows[word].passed & ~leaves.bits()[word] : 0;
   return (passed | through) & ~hits[word];
 }
 
@@ -38,7 +38,7 @@ struct Applied {
 void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const LogOddsScale& scale,
                   const StateLevels& levels, Applied* out) {
   for (int word = 0; word < 64; ++word) {
-    const std::uint64_t misses = miss_bits(evidence, hits, word);
+    const std::uint64_t misses = miss_bits(evidence, block->leaves, hits, word);
     if (misses == 0) continue;
     out->update.missed += count(misses);
     const Subtracted done = subtract_where(block->log_odds.data() + 64 * word, misses, scale.miss, levels.free_end(),

@@ -12,7 +12,7 @@ EndVoxels::EndVoxels(std::array<int, 3> num_blocks) : num_blocks_(num_blocks) {
 void EndVoxels::clear() {
   for (const Block& block : blocks_) index_[block.slot] = -1;
   blocks_.clear();
-  points_.clear();
+  runs_.clear();
   hits_.clear();
   clearing_ends_.clear();
 }
@@ -29,21 +29,37 @@ EndVoxels::Address EndVoxels::address_of(int x, int y, int z) {
   return {static_cast<std::uint32_t>(block), static_cast<std::uint32_t>(geometry::offset_in_block({x, y, z}))};
 }
 
-void EndVoxels::add_hit(const geometry::Vec3& end) {
-  // Coordinates in the window are never negative, so truncation is floor.
-  const int x = static_cast<int>(end.x());
-  const int y = static_cast<int>(end.y());
-  const int z = static_cast<int>(end.z());
-  const Address address = address_of(x, y, z);
-  blocks_[address.block].hits[address.offset >> 6] |= std::uint64_t{1} << (address.offset & 63);
-  points_.push_back({address, (end - geometry::Vec3(x + 0.5, y + 0.5, z + 0.5)).cast<float>()});
+inline void EndVoxels::Sum::add(const geometry::Vec3f& p) {
+  offset += p;
+  const float products[6] = {p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]};
+  for (int i = 0; i < 6; ++i) product[i] += products[i];
+  ++count;
 }
 
-void EndVoxels::add_clearing(const geometry::Vec3& end) {
+inline void EndVoxels::Sum::add(const Sum& other) {
+  offset += other.offset;
+  for (int i = 0; i < 6; ++i) product[i] += other.product[i];
+  count += other.count;
+}
+
+void EndVoxels::add_hit(const geometry::Vec3f& end) {
+  // Coordinates in the window are never negative, so truncation is floor.
+  const geometry::Index3 voxel{static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z())};
+  if (runs_.empty() || runs_.back().voxel != voxel) {
+    const Address address = address_of(voxel.x, voxel.y, voxel.z);
+    blocks_[address.block].hits[address.offset >> 6] |= std::uint64_t{1} << (address.offset & 63);
+    runs_.push_back({voxel, address, {}});
+  }
+  const geometry::Vec3f center(static_cast<float>(voxel.x) + 0.5f, static_cast<float>(voxel.y) + 0.5f,
+                               static_cast<float>(voxel.z) + 0.5f);
+  runs_.back().sum.add(end - center);
+}
+
+void EndVoxels::add_clearing(const geometry::Vec3f& end) {
   const Address address = address_of(static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z()));
   std::uint64_t& word = blocks_[address.block].clearing[address.offset >> 6];
   const std::uint64_t bit = std::uint64_t{1} << (address.offset & 63);
-  if ((word & bit) == 0) clearing_ends_.push_back(end.cast<float>());
+  if ((word & bit) == 0) clearing_ends_.push_back(end);
   word |= bit;
 }
 
@@ -73,17 +89,12 @@ PointSpread EndVoxels::spread_of(const Sum& sum) {
 
 void EndVoxels::finish() {
   sums_.assign(count_hits(), Sum{});
-  for (const EndPoint& point : points_) {
-    const Block& block = blocks_[point.address.block];
-    const std::uint32_t word = point.address.offset >> 6;
-    const std::uint64_t below = (std::uint64_t{1} << (point.address.offset & 63)) - 1;
-    Sum& sum = sums_[block.first_hit + block.hits_before[word] +
-                     static_cast<std::size_t>(__builtin_popcountll(block.hits[word] & below))];
-    const geometry::Vec3f& p = point.from_center;
-    sum.offset += p;
-    const float products[6] = {p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]};
-    for (int i = 0; i < 6; ++i) sum.product[i] += products[i];
-    ++sum.count;
+  for (const EndRun& run : runs_) {
+    const Block& block = blocks_[run.address.block];
+    const std::uint32_t word = run.address.offset >> 6;
+    const std::uint64_t below = (std::uint64_t{1} << (run.address.offset & 63)) - 1;
+    const auto rank = static_cast<std::size_t>(__builtin_popcountll(block.hits[word] & below));
+    sums_[block.first_hit + block.hits_before[word] + rank].add(run.sum);
   }
   hits_.reserve(sums_.size());
   for (const Block& block : blocks_) {
@@ -112,7 +123,7 @@ geometry::Vec3f EndVoxels::center_of(const HitVoxel& hit) const {
 
 std::size_t EndVoxels::memory_bytes() const {
   return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
-         points_.capacity() * sizeof(EndPoint) + sums_.capacity() * sizeof(Sum) + hits_.capacity() * sizeof(HitVoxel) +
+         runs_.capacity() * sizeof(EndRun) + sums_.capacity() * sizeof(Sum) + hits_.capacity() * sizeof(HitVoxel) +
          clearing_ends_.capacity() * sizeof(geometry::Vec3f);
 }
 

@@ -18,10 +18,6 @@ constexpr double kMaxCells = 5e8;
 
 double block_size(const LocalMapConfig& config) { return config.resolution_m * geometry::kBlockSide; }
 
-bool is_inside(const geometry::Vec3& p, const geometry::Vec3& size) {
-  return (p.array() >= kBorderVoxels).all() && (p.array() <= size.array() - kBorderVoxels).all();
-}
-
 /// Largest share of the way from `origin` (inside) to `end` that stays inside.
 double share_inside(const geometry::Vec3& origin, const geometry::Vec3& end, const geometry::Vec3& size) {
   double share = 1.0;
@@ -106,31 +102,34 @@ void LocalMap::keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* 
   }
 }
 
-void LocalMap::add_clearing(const geometry::Vec3& origin, geometry::Vec3 end) {
-  const double share = share_inside(origin, end, size_in_voxels(window_));
-  if (share < 1.0) end = origin + share * (end - origin);
+void LocalMap::add_clearing(const geometry::Vec3f& origin, geometry::Vec3f end) {
+  const double share = share_inside(origin.cast<double>(), end.cast<double>(), size_in_voxels(window_));
+  if (share < 1.0) end = origin + static_cast<float>(share) * (end - origin);
   ends_.add_clearing(end);
 }
 
 void LocalMap::collect_points(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L,
                               InsertStatistics* statistics) {
-  const geometry::Vec3 origin = to_window(T_W_L.translation());
-  const geometry::Vec3 size = size_in_voxels(window_);
-  const Eigen::Matrix3d rotation = T_W_L.linear() / config_.resolution_m;
-  const double nearest = std::max(config_.min_range_m, kZeroRangeM);
+  // Single precision from here on: window coordinates stay below 10^4 voxels, where it holds 10^-3 of a voxel.
+  const geometry::Vec3f origin = to_window(T_W_L.translation()).cast<float>();
+  const Eigen::Array3f low = Eigen::Array3f::Constant(kBorderVoxels);
+  const Eigen::Array3f high = size_in_voxels(window_).array().cast<float>() - static_cast<float>(kBorderVoxels);
+  const Eigen::Matrix3f rotation = (T_W_L.linear() / config_.resolution_m).cast<float>();
+  const auto nearest = static_cast<float>(std::max(config_.min_range_m, kZeroRangeM));
+  const auto farthest = static_cast<float>(config_.max_range_m);
   for (std::size_t i = 0; i < n; ++i) {
-    const geometry::Vec3 p_L = Eigen::Map<const geometry::Vec3f>(points + i * stride).cast<double>();
-    const double range = p_L.norm();
-    if (!std::isfinite(range)) {
+    const Eigen::Map<const geometry::Vec3f> p_L(points + i * stride);
+    const float squared_range = p_L.squaredNorm();
+    if (!p_L.allFinite()) {
       ++statistics->rejected_not_finite;
-    } else if (range < nearest) {
+    } else if (squared_range < nearest * nearest) {
       ++statistics->rejected_too_near;
-    } else if (range > config_.max_range_m) {
+    } else if (squared_range > farthest * farthest) {
       ++statistics->far;
-      if (config_.clear_beyond_range) add_clearing(origin, origin + rotation * p_L * (config_.max_range_m / range));
+      if (config_.clear_beyond_range) add_clearing(origin, origin + rotation * p_L.stableNormalized() * farthest);
     } else {
-      const geometry::Vec3 end = origin + rotation * p_L;
-      if (is_inside(end, size)) {
+      const geometry::Vec3f end = origin + rotation * p_L;
+      if ((end.array() >= low).all() && (end.array() <= high).all()) {
         ends_.add_hit(end);
       } else {
         ++statistics->outside_window;
@@ -189,14 +188,11 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
 void LocalMap::weigh_crossings() {
   through_.clear();
   const auto& crossings = markers_[0].crossings();
+  for (const RayMarker::Crossing& c : crossings) c.leaf->octants |= c.octants;
   for (const RayMarker::Crossing& c : crossings) {
-    window_.at(static_cast<int>(c.slot))->leaves.find(c.offset)->octants |= c.octants;
-  }
-  for (const RayMarker::Crossing& c : crossings) {
-    SurfaceLeaf* leaf = window_.at(static_cast<int>(c.slot))->leaves.find(c.offset);
-    if (__builtin_popcount(leaf->octants) < config_.guard_octants) continue;
-    leaf->octants = 0;
-    if (!leaf->is_refuted_by_seeing_through(config_.guard_patience)) continue;
+    if (__builtin_popcount(c.leaf->octants) < config_.guard_octants) continue;
+    c.leaf->octants = 0;
+    if (!c.leaf->is_refuted_by_seeing_through(config_.guard_patience)) continue;
     through_[c.slot][c.offset >> 6] |= std::uint64_t{1} << (c.offset & 63);
   }
 }

@@ -47,7 +47,7 @@ struct RayMarker::Line {
   std::int64_t c_origin;
 };
 
-void RayMarker::begin(const BlockWindow& window, const EndVoxels& ends, const ScanBox& box, const MissGuard& guard,
+void RayMarker::begin(BlockWindow& window, const EndVoxels& ends, const ScanBox& box, const MissGuard& guard,
                       const geometry::Vec3& origin) {
   for (std::size_t block = 0; block < touched_.size(); ++block) {
     if (touched_[block] != 0) std::fill_n(rows_.begin() + static_cast<std::ptrdiff_t>(64 * block), 64, Row{});
@@ -162,29 +162,39 @@ void RayMarker::cast(const geometry::Vec3f& end, bool is_evidence) {
 
 void RayMarker::cross_surfaces(std::uint32_t row, std::uint64_t bits, const Ray& ray) {
   if (!ray.is_evidence) return;
-  for_each_bit(bits, [&](int bit) { cross_surface(row >> 6, static_cast<int>(row & 63) * 64 + bit, ray); });
+  for_each_bit(bits, [&](int bit) {
+    // One ray that saw through a voxel says it all; further ones need not be looked at.
+    const bool saw_through = cross_surface(row >> 6, static_cast<int>(row & 63) * 64 + bit, ray);
+    if (saw_through) rows_[row].surface &= ~(std::uint64_t{1} << bit);
+  });
 }
 
-void RayMarker::cross_surface(std::uint32_t block, int offset, const Ray& ray) {
-  const geometry::Index3 first = box_->first_voxel(block);
+bool RayMarker::cross_surface(std::uint32_t block, int offset, const Ray& ray) {
+  constexpr float kHalfDiagonal = 0.8661f;
+  const geometry::Index3& first = box_->first_voxel(block);
   const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
   const geometry::Vec3f center(static_cast<float>(first.x + inside.x) + 0.5f,
                                static_cast<float>(first.y + inside.y) + 0.5f,
                                static_cast<float>(first.z + inside.z) + 0.5f);
+  const geometry::Vec3f to_center = center - ray.end;
+  const float center_along = to_center.dot(ray.direction);
+  if (center_along < guard_.end_voxels - kHalfDiagonal) return false;
   const std::uint32_t slot = box_->slot_of(block);
-  const SurfaceLeaf& leaf = *window_->at(static_cast<int>(slot))->leaves.find(offset);
-  const geometry::Vec3f to_mean = center + leaf.offset() - ray.end;
+  SurfaceLeaf* leaf = window_->at(static_cast<int>(slot))->leaves.find(offset);
+  const geometry::Vec3f to_mean = to_center + leaf->offset();
   const float along = to_mean.dot(ray.direction);
-  if (along < guard_.end_voxels) return;
+  if (along < guard_.end_voxels) return false;
   const geometry::Vec3f across = to_mean - along * ray.direction;
+  const bool saw_through =
+      leaf->squared_distance(across, ray.direction, guard_.spread_voxels) <= guard_.sigmas * guard_.sigmas;
   std::uint8_t octants = 0xFF;
-  if (leaf.squared_distance(across, ray.direction, guard_.spread_voxels) > guard_.sigmas * guard_.sigmas) {
-    const float nearest = (center - ray.end).dot(ray.direction);
-    const geometry::Vec3f at = ray.end + nearest * ray.direction - center;
+  if (!saw_through) {
+    const geometry::Vec3f at = center_along * ray.direction - to_center;
     const int octant = (at.x() > 0.0f ? 1 : 0) | (at.y() > 0.0f ? 2 : 0) | (at.z() > 0.0f ? 4 : 0);
     octants = static_cast<std::uint8_t>(1u << octant);
   }
-  crossings_.push_back({slot, static_cast<std::uint16_t>(offset), octants});
+  crossings_.push_back({leaf, slot, static_cast<std::uint16_t>(offset), octants});
+  return saw_through;
 }
 
 void RayMarker::merge(const RayMarker& other) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "odometry_limits.hpp"
+
 namespace voxnav::odometry {
 namespace {
 
@@ -15,11 +17,6 @@ using geometry::Vec3;
 constexpr double kGravity_mps2 = 9.81;
 /// A fall of the stamps by more than this is another clock, not a late message.
 constexpr base::StampNs kClockJumpNs = 1'000'000'000;
-/// Scans farther apart tell nothing about the velocity.
-constexpr double kMaxScanGap_s = 1.0;
-constexpr double kFirstDt_s = 0.1;
-constexpr int kSweepBins = 512;
-constexpr double kMaxSweep_s = 1.0;
 constexpr double kBiasGain = 0.02;
 constexpr double kMaxBias_radps = 0.2;
 /// Rotation drift per position drift: a degree on a hundred metres goes with the default ratio.
@@ -33,8 +30,6 @@ std::string number(double value) {
 PointMapOptions map_options(const LidarOdometryConfig& c) {
   return {c.voxel_size_m, c.max_points_per_voxel, c.max_map_voxels};
 }
-
-double spacing_m(const LidarOdometryConfig& c) { return c.voxel_size_m / std::sqrt(c.max_points_per_voxel); }
 
 Matrix6 diagonal(double translation_var, double rotation_var) {
   Vector6 d;
@@ -119,81 +114,6 @@ void LidarOdometry::begin(base::StampNs stamp_ns) {
   if (!force || std::abs(force->norm() - kGravity_mps2) > 1.5) return;
   const Pose level = upright(*force);
   T_O_B_.linear() = Eigen::AngleAxisd(geometry::yaw_of(T_O_B_), Vec3::UnitZ()) * level.linear();
-}
-
-LidarOdometry::Prediction LidarOdometry::predict(base::StampNs stamp_ns) const {
-  Prediction out;
-  out.T_O_B = T_O_B_;
-  out.dt_s = has_time_ ? base::to_seconds(stamp_ns - stamp_ns_) : kFirstDt_s;
-  if (!has_time_) {
-    out.has_imu = config_.use_imu && imu_.rotation(stamp_ns, stamp_ns, gyro_bias_, config_.imu_max_gap_s).has_value();
-    return out;
-  }
-  const auto turned =
-      config_.use_imu ? imu_.rotation(stamp_ns_, stamp_ns, gyro_bias_, config_.imu_max_gap_s) : std::nullopt;
-  out.has_imu = turned.has_value();
-  const double dt = std::min(out.dt_s, kMaxScanGap_s);
-  const Eigen::Quaterniond rotation = turned ? *turned : exp_so3(angular_velocity_B_ * dt);
-  // Without IMU a vehicle that turns is taken to go on along its curve; with it the velocity holds in space.
-  const Eigen::Quaterniond half = turned ? Eigen::Quaterniond::Identity() : exp_so3(angular_velocity_B_ * dt);
-  const Vec3 velocity_B = T_O_B_.linear().transpose() * velocity_O_;
-  out.T_O_B.translation() += T_O_B_.linear() * (half * velocity_B) * dt;
-  out.T_O_B.linear() = (T_O_B_.linear() * rotation.toRotationMatrix());
-  out.T_O_B.linear() = Eigen::Quaterniond(out.T_O_B.linear()).normalized().toRotationMatrix();
-  return out;
-}
-
-Eigen::Matrix3d LidarOdometry::rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const {
-  if (has_imu) {
-    const auto turned = imu_.rotation(stamp_ns, stamp_ns + base::from_seconds(t_s), gyro_bias_, config_.imu_max_gap_s);
-    if (turned) return turned->toRotationMatrix();
-  }
-  return exp_so3(angular_velocity_B_ * t_s).toRotationMatrix();
-}
-
-LidarOdometry::Sweep LidarOdometry::sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s) {
-  float last_s = 0.0F;
-  for (float t : times_s) {
-    if (t > last_s && t <= kMaxSweep_s) last_s = t;
-  }
-  return {stamp_ns, stamp_ns + base::from_seconds(0.5 * last_s), last_s};
-}
-
-std::vector<Eigen::Isometry3f> LidarOdometry::poses_within(const Sweep& sweep, const Prediction& prediction) const {
-  std::vector<Eigen::Isometry3f> out(sweep.duration_s > 0.0 ? kSweepBins : 1);
-  const Vec3 velocity_B = prediction.T_O_B.linear().transpose() * velocity_O_;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double t = sweep.duration_s * (static_cast<double>(i) / (kSweepBins - 1) - 0.5);
-    Pose moved = Pose::Identity();
-    if (out.size() > 1) {
-      moved.linear() = rotation_from(sweep.middle_ns, t, prediction.has_imu);
-      moved.translation() = velocity_B * t;
-    }
-    out[i] = (moved * T_B_L_).cast<float>();
-  }
-  return out;
-}
-
-void LidarOdometry::prepare_points(const Sweep& sweep, const std::vector<Vec3f>& points_L,
-                                   const std::vector<float>& times_s, const Prediction& prediction) {
-  // So fine that the nearest one will do.
-  const std::vector<Eigen::Isometry3f> poses = poses_within(sweep, prediction);
-  const float to_bin = poses.size() == 1 ? 0.0F : static_cast<float>((kSweepBins - 1) / sweep.duration_s);
-  const auto min_sq = static_cast<float>(config_.min_range_m * config_.min_range_m);
-  const auto max_sq = static_cast<float>(config_.max_range_m * config_.max_range_m);
-  deskewed_.clear();
-  for (std::size_t i = 0; i < points_L.size(); ++i) {
-    const float range_sq = points_L[i].squaredNorm();
-    const float t = times_s.empty() ? 0.0F : times_s[i];
-    const bool has_time = t >= 0.0F && t <= kMaxSweep_s;
-    if (!std::isfinite(range_sq) || !has_time) {
-      ++counters_.points_refused;
-    } else if (range_sq >= min_sq && range_sq <= max_sq) {
-      deskewed_.push_back(poses[static_cast<std::size_t>(t * to_bin + 0.5F)] * points_L[i]);
-    }
-  }
-  downsample(deskewed_, spacing_m(config_), &scratch_, &fine_);
-  downsample(fine_, config_.voxel_size_m * 0.6, &scratch_, &source_);
 }
 
 Matrix6 LidarOdometry::predicted_covariance(const Prediction& prediction) const {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "voxnav/geometry/distance_field.hpp"
+
+namespace voxnav::graph {
+
+/// Unsigned distances to a set of surface points on a coarse dense grid: the way in from metres away. A submap's own
+/// field ends where nothing was observed, which is half a metre beside a trunk; this one has an answer everywhere
+/// around the surfaces, and costs a few nanoseconds.
+class CoarseField final : public geometry::DistanceField {
+ public:
+  /// @param cell_m  spacing of the grid; widened where the points span more than 4 million cells
+  /// @param reach_m  distances saturate here, and the field ends this far outside the points
+  CoarseField(const std::vector<geometry::SurfacePoint>& points, double cell_m, double reach_m);
+
+  bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
+  /// Not kept.
+  const std::vector<geometry::SurfacePoint>& surface_points() const override { return none_; }
+  geometry::Aabb surface_bounds() const override { return bounds_; }
+  double resolution_m() const override { return cell_m_; }
+
+ private:
+  void stamp(const geometry::Vec3& point, double reach_m);
+
+  std::vector<geometry::SurfacePoint> none_;
+  geometry::Aabb bounds_;
+  geometry::Vec3 origin_ = geometry::Vec3::Zero();
+  double cell_m_;
+  int size_[3] = {0, 0, 0};
+  std::vector<float> distances_m_;
+};
+
+}  // namespace voxnav::graph
