@@ -173,6 +173,14 @@ def test_goal_inside_an_obstacle_ends_near_it_with_a_reason():
     assert 0.9 < np.linalg.norm(flight.position - (19.0, 0.0, 0.0)) < 4.0
 
 
+def test_a_goal_a_little_too_near_to_an_obstacle_is_reached_within_its_tolerance():
+    # 0.7 m before the box is less than the safety distance; half a metre back is near enough to the goal.
+    flight = started(world(((12.0, -1.0, -1.0), (13.0, 1.0, 1.0))), (11.3, 0.0, 0.0))
+    assert flight.fly(40.0, reached), flight.manager.status
+    assert 0.1 < np.linalg.norm(flight.position - (11.3, 0.0, 0.0)) <= 0.8
+    assert flight.clearance() > 0.9
+
+
 def test_an_enclosed_vehicle_is_reported_stuck():
     flight = started(world(((2.0, -10.0, -4.0), (3.0, 10.0, 4.0))), (20.0, 0.0, 0.0), stuck_time_s=5.0)
     assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None)

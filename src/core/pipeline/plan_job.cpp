@@ -14,6 +14,8 @@ using geometry::Vec3;
 
 /// Full corridors that end this soon are tried again with the vehicle's own radius.
 constexpr double kTightStart_m = 0.5;
+/// A path that ends this share of the goal's tolerance from a blocked goal has got there; the rest is for tracking.
+constexpr double kSubstituteShare = 0.75;
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0, double d = 0.0) {
   char buffer[160];
@@ -21,17 +23,12 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0, d
   return buffer;
 }
 
-/// The path with its ends at the exact start and, if it gets there, the exact goal.
+/// The path with its ends at the exact start and, if it gets there, the exact goal; at least two points.
 std::vector<Vec3> exact_line(const planning::PlanResult& plan, const Vec3& start, const Vec3& goal) {
   std::vector<Vec3> line = plan.path;
+  if (line.size() == 1) line.push_back(line.front());
   line.front() = start;
-  if (plan.status == planning::PlanStatus::kComplete) {
-    if (line.size() == 1) {
-      line.push_back(goal);
-    } else {
-      line.back() = goal;
-    }
-  }
+  if (plan.status == planning::PlanStatus::kComplete) line.back() = goal;
   return line;
 }
 
@@ -78,9 +75,9 @@ PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningMa
   std::vector<Vec3> cut = safe.length_m >= whole_m ? line : planning::cut_at_length(line, safe.length_m);
   cut = planning::cut_at_time(cut, limits, config.trajectory_deviation_m, config.max_flight_time_s);
   const double cut_m = planning::length_of(cut);
-  out.corridor_radius_m = safe.radius_m;
-  out.is_to_goal = out.plan.status == planning::PlanStatus::kComplete && cut_m >= whole_m - 1e-6;
   const double end_gap_m = out.plan.status == planning::PlanStatus::kComplete ? 0.0 : out.plan.remaining_m;
+  out.corridor_radius_m = safe.radius_m;
+  out.is_to_goal = end_gap_m <= kSubstituteShare * config.goal_tolerance_m && cut_m >= whole_m - 1e-6;
   out.left_m = whole_m - cut_m + end_gap_m;
   if (out.is_to_goal || (cut_m >= config.min_progress_m && safe.length_m > 0.0)) {
     out.waypoints_O = cut;

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 
-from voxnav.demo import processes, summary
+from voxnav.demo import mission, processes, summary
 from voxnav.demo.record import FlightRecord
 
 
@@ -45,6 +45,7 @@ def main(argv=None):
     record = FlightRecord(args.world, args.seed)
     log = os.path.join(args.out, "roslaunch.log")
     started = time.monotonic()
+    world = mission.simulated_world(args.world, args.seed)
     launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
                    "lockstep": str(args.lockstep).lower()}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
@@ -53,8 +54,8 @@ def main(argv=None):
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
-        demo_mission.fly(record, args.world)
-        notes = _pictures(args, env, record)
+        demo_mission.fly(record, mission.goal_of(world))
+        notes = _pictures(args, env, record, mission.trunks(world))
     finally:
         launched.stop()
     result = summary.summarise(record)
@@ -68,11 +69,11 @@ def main(argv=None):
     return 0 if record.reached else 1
 
 
-def _pictures(args, env, record):
-    from voxnav.demo import mission, pictures
+def _pictures(args, env, record, trunks):
+    from voxnav.demo import pictures
 
-    pictures.top_view(os.path.join(args.out, "top_view.png"), record, mission.trunks(args.world, args.seed))
+    pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
     if args.no_rviz:
         return []
-    note = rviz_picture(env, mission.package_file("rviz/planning.rviz"), os.path.join(args.out, "rviz.png"))
+    note = rviz_picture(env, mission.repository_file("rviz/planning.rviz"), os.path.join(args.out, "rviz.png"))
     return [note] if note else []

@@ -4,7 +4,6 @@
 import os
 
 import numpy as np
-import yaml
 
 
 def repository_file(name):
@@ -25,27 +24,26 @@ def _package_path():
         return None
 
 
-def world_settings(world):
-    """The world's YAML as a dict."""
-    with open(repository_file("worlds/%s.yaml" % world)) as source:
-        return yaml.safe_load(source)
+def simulated_world(world, seed):
+    """The world as the simulator has it, without ROS."""
+    from voxnav import simulation
+
+    return simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
 
 
 def goal_of(world, flight_height_m=2.0):
-    """Goal (3,) in the world's frame: the clear spot behind the trees, at flight height."""
-    x, y = world_settings(world)["goal_m"]
-    return np.array([x, y, flight_height_m])
+    """Goal (3,) in W: the clear spot behind the trees, at flight height above its ground.
+
+    world: voxnav.simulation.World.
+    """
+    x, y = world.config.goal_m
+    return np.array([x, y, world.ground_height(x, y) + flight_height_m])
 
 
 def _circles(stems):
     return np.column_stack([stems.ground[:, :2], stems.radius_ground_m])
 
 
-def trunks(world, seed):
-    """(n, 3) x y radius of the trunks and poles as generated, or None where the simulator is not built."""
-    try:
-        from voxnav import simulation
-    except ImportError:
-        return None
-    world = simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
+def trunks(world):
+    """(n, 3) x y radius of the trunks and poles as generated. world: voxnav.simulation.World."""
     return np.vstack([_circles(world.trunks()), _circles(world.poles())])

@@ -7,7 +7,6 @@ import xmlrpc.client
 
 import rospy
 
-from voxnav.demo import mission
 from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
 
 NODES_LIMIT_S = 120.0
@@ -26,8 +25,11 @@ def _wait_for_master(uri, timeout_s):
     raise MissionError("no ROS master at %s" % uri)
 
 
-def fly(record, world, uav="uav1"):
-    """Fly it on the master of the environment; whatever stops the mission ends up in record.reason."""
+def fly(record, goal, uav="uav1"):
+    """Fly to goal (3,), given in the map frame, on the master of the environment.
+
+    Whatever stops the mission ends up in record.reason.
+    """
     recorder = None
     try:
         _wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
@@ -35,7 +37,7 @@ def fly(record, world, uav="uav1"):
         recorder = FlightRecorder(record)
         recorder.wait_for_nodes(NODES_LIMIT_S)
         recorder.take_off(TAKE_OFF_LIMIT_S)
-        recorder.fly_to(uav + "/voxnav_map", mission.goal_of(world), FLIGHT_LIMIT_S)
+        recorder.fly_to(uav + "/voxnav_map", goal, FLIGHT_LIMIT_S)
         recorder.optimise(10.0)
     except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = str(error)
