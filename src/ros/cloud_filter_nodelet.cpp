@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pluginlib/class_list_macros.hpp>
 
+#include "local_map_messages.hpp"
 #include "voxnav/cloud/cloud_filter.hpp"
+#include "voxnav/cloud/open_beams.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
@@ -29,14 +31,18 @@ class CloudFilterNodelet : public NodeletBase {
  private:
   void initialize() override {
     voxnav::cloud::CloudFilterConfig config;
+    voxnav::cloud::OpenBeamsConfig open_beams;
     ParamLoader params(getPrivateNodeHandle());
     params.section("filter", &config);
+    params.section("open_beams", &open_beams);
     params.finish();
+    open_beams_finder_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
     filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     points_ = nh.advertise<sensor_msgs::PointCloud2>("points_out", 5);
     rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
     far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
+    open_beams_ = nh.advertise<sensor_msgs::PointCloud2>("open_beams_out", 5);
     topic_ = nh.resolveName("cloud_in");
     cloud_ = nh.subscribe("cloud_in", 5, &CloudFilterNodelet::on_cloud, this, ros::TransportHints().tcpNoDelay());
   }
@@ -50,7 +56,7 @@ class CloudFilterNodelet : public NodeletBase {
         const auto timer = diagnostics().time("filter");
         filter_->apply(view, &result_);
       }
-      publish(*msg);
+      publish(*msg, view);
       report();
     } catch (const std::exception& error) {
       refuse(error.what());
@@ -59,9 +65,15 @@ class CloudFilterNodelet : public NodeletBase {
     publish_progress(msg->header.stamp);
   }
 
-  void publish(const sensor_msgs::PointCloud2& msg) {
+  void publish(const sensor_msgs::PointCloud2& msg, const voxnav::cloud::RawCloudView& view) {
     std_msgs::Header header = msg.header;
     header.stamp = to_ros(to_ns(msg.header.stamp) + result_.sweep_start_ns);
+    if (open_beams_.getNumSubscribers() > 0) {  // before the points, so that who needs both has them in time
+      const auto timer = diagnostics().time("open beams");
+      const auto& directions = open_beams_finder_->find(view);
+      const float* begin = directions.empty() ? nullptr : directions.front().data();
+      open_beams_.publish(cloud_of(std::vector<float>(begin, begin + 3 * directions.size()), header));
+    }
     points_.publish(to_msg(result_.points, header));
     if (rejected_.getNumSubscribers() > 0) rejected_.publish(to_msg(result_.ghosts, header));
     if (far_.getNumSubscribers() > 0) far_.publish(to_msg(result_.far, header));
@@ -109,12 +121,13 @@ class CloudFilterNodelet : public NodeletBase {
   }
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
+  std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_finder_;
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;
   std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
   ros::Time last_stamp_;
   std::string topic_;
-  ros::Publisher points_, rejected_, far_;
+  ros::Publisher points_, rejected_, far_, open_beams_;
   ros::Subscriber cloud_;
 };
 

@@ -3,6 +3,7 @@
 #include <mrs_msgs/UavState.h>
 #include <std_srvs/Trigger.h>
 
+#include <deque>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "local_map_messages.hpp"
@@ -52,7 +53,7 @@ class LocalMapperNodelet : public NodeletBase {
     params.section("node", &config_);
     params.finish();
     map_ = std::make_unique<occupancy::LocalMap>(map);
-    scheduler_ = std::make_unique<pipeline::SubmapScheduler>(submap);
+    scheduler_ = std::make_unique<pipeline::SubmapScheduler>(submap, std::nullopt);
     scans_ = std::make_unique<PendingScans>(config_.odometry_frame, config_.body_frame, config_.tf_timeout_s,
                                             config_.max_pending_scans, config_.use_deskew);
     advertise();
@@ -77,6 +78,10 @@ class LocalMapperNodelet : public NodeletBase {
     const auto hints = ros::TransportHints().tcpNoDelay();
     quality_ = nh.subscribe("odometry_quality_in", 5, &LocalMapperNodelet::on_quality, this, hints);
     uav_state_ = nh.subscribe("uav_state_in", 5, &LocalMapperNodelet::on_uav_state, this, hints);
+    if (map_->config().no_return_range_m >= map_->config().resolution_m) {
+      open_beams_ =
+          nh.subscribe("open_beams_in", config_.max_pending_scans, &LocalMapperNodelet::on_open_beams, this, hints);
+    }
     points_ = nh.subscribe("points_in", config_.max_pending_scans, &LocalMapperNodelet::on_points, this, hints);
     retry_ =
         nh.createSteadyTimer(ros::WallDuration(kRetryPeriod_s), [this](const ros::SteadyTimerEvent&) { process(); });
@@ -92,6 +97,19 @@ class LocalMapperNodelet : public NodeletBase {
       drop(msg->header.stamp, error.what());
     }
     process();
+  }
+
+  /// They come before the points of their scan; those of scans that were dropped age out.
+  void on_open_beams(const sensor_msgs::PointCloud2ConstPtr& msg) {
+    open_beams_of_.push_back(msg);
+    if (open_beams_of_.size() > static_cast<std::size_t>(config_.max_pending_scans) + 1) open_beams_of_.pop_front();
+  }
+
+  std::vector<float> open_beams_at(const ros::Time& stamp) const {
+    for (const auto& msg : open_beams_of_) {
+      if (msg->header.stamp == stamp) return read_points(*msg).xyz;
+    }
+    return {};
   }
 
   void process() {
@@ -114,7 +132,9 @@ class LocalMapperNodelet : public NodeletBase {
       const auto timer = diagnostics().time("insert");
       ScanPoints& points = scan->points;
       pipeline::deskew(points.xyz.data(), points.time_offsets_ns.data(), points.xyz.size() / 3, 3, scan->motion);
-      report(map_->insert(points.xyz.data(), points.xyz.size() / 3, 3, pipeline::middle_of(scan->motion)));
+      const std::vector<float> open = open_beams_at(stamp);
+      report(map_->insert(points.xyz.data(), points.xyz.size() / 3, 3, open.data(), open.size() / 3,
+                          pipeline::middle_of(scan->motion)));
       if (config_.vehicle_radius_m > 0.0) map_->mark_free(scan->T_O_B.translation(), config_.vehicle_radius_m);
     }
     diagnostics().add_latency("insert", stamp);
@@ -283,7 +303,8 @@ class LocalMapperNodelet : public NodeletBase {
   ros::Time newest_stamp_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;
-  ros::Subscriber points_, quality_, uav_state_;
+  ros::Subscriber points_, open_beams_, quality_, uav_state_;
+  std::deque<sensor_msgs::PointCloud2ConstPtr> open_beams_of_;
   ros::SteadyTimer retry_;
 };
 

@@ -2,7 +2,6 @@
 #include "pending_scans.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "voxnav_ros/cloud_conversions.hpp"
@@ -12,17 +11,10 @@ namespace voxnav_ros {
 namespace {
 
 using voxnav::cloud::FieldAccess;
-using voxnav::cloud::FieldType;
+using voxnav::cloud::read_float;
 
 /// Sweeps are shorter than this; larger offsets are broken clocks.
 constexpr std::uint32_t kMaxDuration_ns = 1000000000;
-
-float read_float(const std::uint8_t* point, const FieldAccess& field) {
-  if (field.type != FieldType::kFloat32) return static_cast<float>(voxnav::cloud::read_number(point, field));
-  float value;
-  std::memcpy(&value, point + field.offset, sizeof(value));
-  return value;
-}
 
 std::uint32_t read_time(const std::uint8_t* point, const FieldAccess& field) {
   return static_cast<std::uint32_t>(std::clamp(voxnav::cloud::read_number(point, field), 0.0, double{kMaxDuration_ns}));

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
@@ -95,5 +96,13 @@ class RawCloudView {
 
 /// One value of any type as a double (exact for every type a field can have).
 double read_number(const std::uint8_t* point, const FieldAccess& field);
+
+/// The same as a float; quick for the usual type.
+inline float read_float(const std::uint8_t* point, const FieldAccess& field) {
+  if (field.type != FieldType::kFloat32) return static_cast<float>(read_number(point, field));
+  float value;
+  std::memcpy(&value, point + field.offset, sizeof(value));
+  return value;
+}
 
 }  // namespace voxnav::cloud

@@ -49,7 +49,9 @@ struct Handover {
 /// one closed. Not thread-safe.
 class SubmapScheduler {
  public:
-  explicit SubmapScheduler(const SubmapSchedulerConfig& config, std::uint32_t first_id = 0);
+  /// @param first_id of the first submap; none = the seconds of its first stamp, so that a restarted node goes on
+  ///        with ids that nobody has seen yet (submaps are longer than a second)
+  explicit SubmapScheduler(const SubmapSchedulerConfig& config, std::optional<std::uint32_t> first_id = 0);
 
   /// Call after each inserted scan. A scan that is not newer than the last one is ignored.
   /// @return why the open submap is to be closed now, nothing if it stays open
@@ -67,7 +69,7 @@ class SubmapScheduler {
   std::vector<Handover> finish(occupancy::LocalMap* map, const std::string& reason);
 
   bool is_open() const { return !poses_.empty(); }
-  std::uint32_t submap_id() const { return submap_id_; }
+  std::uint32_t submap_id() const { return submap_id_.value_or(0); }
   /// Early content, once there is more of it than max_early_blocks.
   std::optional<Handover> take_early();
   /// Closes the open submap over the map's content, to which what left the window is added. Nothing if none is open.
@@ -80,7 +82,7 @@ class SubmapScheduler {
   void keep_pose(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
 
   SubmapSchedulerConfig config_;
-  std::uint32_t submap_id_;
+  std::optional<std::uint32_t> submap_id_;  ///< none before the first scan, if the stamp is to give it
   geometry::Pose T_O_S_ = geometry::Pose::Identity();
   std::vector<geometry::StampedPose> poses_;  ///< T_O_B
   geometry::StampedPose newest_;

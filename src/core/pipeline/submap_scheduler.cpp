@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/pipeline/submap_scheduler.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace voxnav::pipeline {
+namespace {
 
-SubmapScheduler::SubmapScheduler(const SubmapSchedulerConfig& config, std::uint32_t first_id)
+constexpr base::StampNs kSecond_ns = 1000000000;
+
+}  // namespace
+
+SubmapScheduler::SubmapScheduler(const SubmapSchedulerConfig& config, std::optional<std::uint32_t> first_id)
     : config_(base::checked(config)), submap_id_(first_id) {}
 
 std::optional<std::string> SubmapScheduler::add_scan(base::StampNs stamp_ns, const geometry::Pose& T_O_B) {
   if (!is_open()) {
     T_O_S_ = geometry::gravity_aligned(T_O_B);
     newest_ = {stamp_ns, T_O_B};
+    if (!submap_id_) submap_id_ = static_cast<std::uint32_t>(std::max<base::StampNs>(stamp_ns, 0) / kSecond_ns);
   } else if (stamp_ns <= newest_.stamp_ns) {
     return std::nullopt;
   }
@@ -45,7 +52,7 @@ void SubmapScheduler::add_evicted(const occupancy::MapContent& content) {
 
 Handover SubmapScheduler::header(const std::string& reason, bool is_final) const {
   Handover out;
-  out.submap_id = submap_id_;
+  out.submap_id = submap_id();
   out.is_final = is_final;
   out.reason = reason;
   out.start_ns = poses_.front().stamp_ns;
@@ -92,7 +99,7 @@ std::vector<Handover> SubmapScheduler::finish(occupancy::LocalMap* map, const st
 }
 
 void SubmapScheduler::discard() {
-  if (is_open()) ++submap_id_;
+  if (is_open()) ++*submap_id_;
   poses_.clear();
   distance_m_ = 0.0;
   requested_.clear();

@@ -113,3 +113,17 @@ TEST(SubmapScheduler, TooMuchEvictedContentGoesEarly) {
   EXPECT_EQ(early->submap_id, scheduler.submap_id());
   EXPECT_TRUE(scheduler.close("time", {})->content.blocks.empty());
 }
+
+TEST(SubmapScheduler, RestartedGoesOnWithIdsThatNobodyHasSeen) {
+  constexpr base::StampNs kStart_ns = 1700000000LL * 1000000000LL;
+  SubmapScheduler first(SubmapSchedulerConfig{}, std::nullopt), second(SubmapSchedulerConfig{}, std::nullopt);
+  std::uint32_t last_id = 0;
+  for (int scan = 0; scan < 300; ++scan) {
+    const base::StampNs stamp_ns = kStart_ns + 100000000LL * scan;
+    if (!first.add_scan(stamp_ns, tilted(0.1 * scan, 0.0))) continue;
+    last_id = first.close("time", {})->submap_id;
+  }
+  EXPECT_EQ(last_id, 1700000001u);
+  second.add_scan(kStart_ns + 30000000000LL, tilted(30.0, 0.0));
+  EXPECT_GT(second.submap_id(), last_id);
+}
