@@ -31,7 +31,9 @@ class FlightRecorder:
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._clouds = {}
-        rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_odometry(record.truth_track), queue_size=50)
+        self.speed_mps = 0.0
+        self.reasons = []  # of the planner, in order, each change once
+        rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
         rospy.Subscriber("estimation_manager/odom_main", Odometry, self._on_odometry(record.odometry_track),
                          queue_size=50)
         rospy.Subscriber("submap_optimizer/trajectory", Path, self._on_trajectory, queue_size=1)
@@ -50,6 +52,11 @@ class FlightRecorder:
                 track.add(msg.header.stamp.to_sec(), (p.x, p.y, p.z))
         return callback
 
+    def _on_truth(self, msg):
+        v = msg.twist.twist.linear
+        self.speed_mps = float(np.linalg.norm((v.x, v.y, v.z)))
+        self._on_odometry(self.record.truth_track)(msg)
+
     def _on_trajectory(self, msg):
         stamps = np.array([pose.header.stamp.to_sec() for pose in msg.poses])
         positions = np.array([(p.pose.position.x, p.pose.position.y, p.pose.position.z) for p in msg.poses])
@@ -66,6 +73,7 @@ class FlightRecorder:
         with self._lock:
             if self._status is None or self._status.reason != msg.reason:
                 rospy.loginfo("planning manager: %s", msg.reason)
+                self.reasons.append(msg.reason)
             self._status = msg
 
     def _on_control(self, msg):
@@ -80,7 +88,12 @@ class FlightRecorder:
         with self._lock:
             self._nodes[msg.node] = msg
 
-    def _wait(self, condition, timeout_s, what):
+    @property
+    def status(self):
+        """Newest PlannerStatus, or None."""
+        return self._status
+
+    def wait_until(self, condition, timeout_s, what):
         """Wait in wall time for condition() to be true. Raises MissionError naming what was awaited."""
         deadline = time.monotonic() + timeout_s
         while not rospy.is_shutdown():
@@ -94,7 +107,7 @@ class FlightRecorder:
 
     def wait_for_nodes(self, timeout_s):
         try:
-            self._wait(lambda: all(node in self._nodes for node in NODES), timeout_s, "nodes")
+            self.wait_until(lambda: all(node in self._nodes for node in NODES), timeout_s, "nodes")
         except MissionError as error:
             missing = [node for node in NODES if node not in self._nodes]
             raise MissionError("%s: not heard %s" % (error, ", ".join(missing)))
@@ -110,27 +123,32 @@ class FlightRecorder:
             response = take_off()
         if not response.success:
             raise MissionError("take-off refused: " + response.message)
-        self._wait(lambda: self._control is not None and self._control.flying_normally, timeout_s, "take-off")
+        self.wait_until(lambda: self._control is not None and self._control.flying_normally, timeout_s, "take-off")
 
-    def fly_to(self, frame, goal, timeout_s):
-        """Send the goal and wait until it is reached or given up."""
+    def send_goal(self, frame, goal):
+        """Give the planner a goal (3,) and wait until it has taken it. The mission begins with the first one."""
         request = ReferenceStampedSrvRequest()
         request.header.frame_id = frame
         request.reference.position.x, request.reference.position.y, request.reference.position.z = goal
         self.record.goal = tuple(goal)
-        rospy.wait_for_service("planning_manager/reference", timeout_s)
+        rospy.wait_for_service("planning_manager/reference", 10.0)
         with self._lock:
-            start = self._newest_truth()
-            self.record.mission = (start, float("inf"))
+            if self.record.mission is None:
+                self.record.mission = (self._newest_truth(), float("inf"))
         response = rospy.ServiceProxy("planning_manager/reference", ReferenceStampedSrv)(request)
         if not response.success:
             raise MissionError("goal refused: " + response.message)
-        self._wait(lambda: self._status is not None and self._status.has_goal, 10.0, "the planner to take the goal")
+        self.wait_until(lambda: self._status is not None and self._status.has_goal, 10.0,
+                        "the planner to take the goal")
+
+    def fly_to(self, frame, goal, timeout_s):
+        """Send the goal and wait until it is reached or given up."""
+        self.send_goal(frame, goal)
         try:
-            self._wait(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
+            self.wait_until(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
         finally:
             with self._lock:
-                self.record.mission = (start, self._newest_truth())
+                self.record.mission = (self.record.mission[0], self._newest_truth())
                 self.record.reached = bool(self._status.is_goal_reached)
                 self.record.reason = self._status.reason
 

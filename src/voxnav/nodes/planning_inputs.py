@@ -92,19 +92,21 @@ class GridFeed:
 
 
 class Heartbeats:
-    """Which of the required nodes have fallen silent, in wall time."""
+    """Which of the required nodes are gone (nobody publishes their diagnostics) or silent, in wall time."""
 
     def __init__(self, names, timeout_s):
         self._timeout_s = timeout_s
         self._heard = {name: -1e18 for name in names}
-        for name in names:
-            rospy.Subscriber(name + "/diagnostics", NodeDiagnostics, self._on_message, callback_args=name,
-                             queue_size=2)
+        self._topics = {name: rospy.Subscriber(name + "/diagnostics", NodeDiagnostics, self._on_message,
+                                               callback_args=name, queue_size=2) for name in names}
 
     def _on_message(self, _, name):
         self._heard[name] = time.monotonic()
 
     def lost(self):
+        for name, topic in self._topics.items():
+            if topic.get_num_connections() == 0:
+                self._heard[name] = -1e18  # once back, it has to say so
         limit = time.monotonic() - self._timeout_s
         return [name for name, heard in self._heard.items() if heard < limit]
 

@@ -4,6 +4,7 @@
 Everything that touches the graph runs on one worker thread, so that a solve never blocks a callback.
 """
 
+import math
 import os
 import queue
 import threading
@@ -27,11 +28,13 @@ from voxnav.nodes import graph_messages
 from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
 from voxnav.nodes.params import load_sections
 from voxnav.nodes.poses import transform_to_msg
-from voxnav.optimizer_session import Height, OptimizerSession
+from voxnav.optimizer_session import Height, OptimizerSession, aligned_pose, yaw_of
 from voxnav.srv import GetSubmaps
 
 NAME = "submap_optimizer"
 _ANSWER_TIMEOUT_S = 30.0
+# The map correction kept on the parameter server is forgotten after this time.
+KEPT_CORRECTION_AGE_S = 600.0
 
 
 class SubmapOptimizer:
@@ -41,11 +44,14 @@ class SubmapOptimizer:
         self._graph_config, self._config = load_sections(graph=voxnav.SubmapGraphConfig, node=voxnav.OptimizerConfig)
         self._session = OptimizerSession(self._graph_config, self._config)
         self._diagnostics, self._progress = Diagnostics(NAME), ProgressPublisher(NAME)
+        self._kept_name = rospy.get_name() + "_kept_correction"
         self._jobs = queue.Queue(maxsize=self._config.max_queue)
         self._fixes = graph_messages.FixReader()
         self._correction_lock = threading.Lock()
         self._odometry_frame, self._T_O_W = self._config.odometry_frame, np.eye(4)
+        self._first_T_W_O = np.eye(4)
         self._latest_stamp = rospy.Time(0)
+        self._is_restored = threading.Event()  # before, nobody knows where W is
         self._advertise()
         self._jobs.put(("restore", self._restore, ()))  # before the submaps that arrive from now on
         self._subscribe()
@@ -77,21 +83,53 @@ class SubmapOptimizer:
             rospy.Subscriber("~gnss_in", NavSatFix, self._on_fix, queue_size=50)
 
     def _restore(self):
-        """After a restart in flight the integrator still has every finished submap."""
+        """After a restart in flight the integrator still has every finished submap, the master where W was."""
+        try:
+            first_T_W_O, last_T_W_O = self._kept_corrections()
+            self._session.T_W_O = first_T_W_O
+            if not self._restore_submaps():
+                self._session.T_W_O = last_T_W_O
+            self._first_T_W_O = first_T_W_O if self._session.records else last_T_W_O
+            self._set_correction()
+        finally:
+            self._is_restored.set()
+
+    def _kept_corrections(self):
+        """T_W_O when the first submap was placed and when the last one was: W must stay where it is."""
+        kept = rospy.get_param(self._kept_name, {})
+        age_s = rospy.Time.now().to_sec() - kept.get("stamp_s", -math.inf)
+        if not 0.0 <= age_s < KEPT_CORRECTION_AGE_S:
+            return np.eye(4), np.eye(4)
+        return tuple(aligned_pose(np.array(kept[name][:3]), kept[name][3]) for name in ("first", "last"))
+
+    def _keep_corrections(self):
+        kept = {"stamp_s": rospy.Time.now().to_sec()}
+        for name, T in (("first", self._first_T_W_O), ("last", self._session.T_W_O)):
+            kept[name] = [float(x) for x in T[:3, 3]] + [yaw_of(T)]
+        rospy.set_param(self._kept_name, kept)
+
+    def _set_correction(self):
+        with self._correction_lock:
+            self._T_O_W = np.linalg.inv(self._session.T_W_O)
+
+    def _restore_submaps(self):
+        """True when there are any."""
         try:
             rospy.wait_for_service("~get_submaps_out", timeout=2.0)
             answer = rospy.ServiceProxy("~get_submaps_out", GetSubmaps)()
         except (rospy.ROSException, rospy.ServiceException) as error:
             rospy.loginfo("[%s]: starting empty: %s", NAME, error)
-            return
+            return False
         if not answer.success:
             rospy.logwarn("[%s]: starting empty: %s", NAME, answer.message)
-            return
+            return False
         for msg in answer.submaps:
             self._take(msg)
-        if self._session.records:
-            self._solve(full=True)
-            rospy.loginfo("[%s]: restored %d submaps", NAME, len(self._session.records))
+        if not self._session.records:
+            return False
+        self._solve(full=True)
+        rospy.loginfo("[%s]: restored %d submaps", NAME, len(self._session.records))
+        return True
 
     # Callbacks: they only hand over.
 
@@ -190,8 +228,8 @@ class SubmapOptimizer:
         start_s = time.monotonic()
         with self._diagnostics.time("solve"):
             report = self._session.optimize(full=full)
-        with self._correction_lock:
-            self._T_O_W = np.linalg.inv(self._session.T_W_O)
+        self._set_correction()
+        self._keep_corrections()
         self._publish(report, time.monotonic() - start_s)
         return report
 
@@ -230,6 +268,7 @@ class SubmapOptimizer:
     def _broadcast(self):
         period_s = 1.0 / self._config.tf_rate_hz
         last_stamp = None
+        self._is_restored.wait()
         while not rospy.is_shutdown():
             stamp = rospy.Time.now()
             if stamp != last_stamp and not stamp.is_zero():  # a stamp sent twice makes tf2 complain
