@@ -11,8 +11,9 @@ WS := build/ws
 JOBS ?= 2
 SEED ?= 1
 WORLD ?= forest
+DATA ?= ../shared/data/kitti_0001
 
-.PHONY: all deps build core demo test bench sanitize lint format clean
+.PHONY: all deps build core demo demo-real test bench sanitize lint format clean
 
 all: build
 
@@ -28,6 +29,9 @@ core: deps
 
 demo: build
 	@scripts/dev/in_workspace $(WS) scripts/demo --seed $(SEED) --world $(WORLD) --out build/demo
+
+demo-real: build
+	@scripts/dev/in_workspace $(WS) scripts/demo_real --data $(DATA) --out build/demo_real
 
 test: build
 	@scripts/dev/run_tests $(WS)

@@ -59,4 +59,26 @@ sensor_msgs::PointCloud2Ptr to_msg(const std::vector<Point>& points, const std_m
   return msg;
 }
 
+sensor_msgs::PointCloud2 xyz_cloud_of(const float* xyz, std::size_t n, const std_msgs::Header& header) {
+  sensor_msgs::PointCloud2 msg;
+  msg.header = header;
+  msg.height = 1;
+  msg.width = static_cast<std::uint32_t>(n);
+  msg.point_step = 3 * sizeof(float);
+  msg.row_step = msg.width * msg.point_step;
+  msg.is_dense = true;
+  const char* names[] = {"x", "y", "z"};
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    sensor_msgs::PointField field;
+    field.name = names[axis];
+    field.offset = axis * sizeof(float);
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.count = 1;
+    msg.fields.push_back(field);
+  }
+  msg.data.resize(3 * n * sizeof(float));
+  if (n > 0) std::memcpy(msg.data.data(), xyz, msg.data.size());
+  return msg;
+}
+
 }  // namespace voxnav_ros

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pluginlib/class_list_macros.hpp>
 
-#include "local_map_messages.hpp"
 #include "voxnav/cloud/cloud_filter.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
@@ -72,7 +71,7 @@ class CloudFilterNodelet : public NodeletBase {
       const auto timer = diagnostics().time("open beams");
       const auto& directions = open_beams_finder_->find(view);
       const float* begin = directions.empty() ? nullptr : directions.front().data();
-      open_beams_.publish(cloud_of(std::vector<float>(begin, begin + 3 * directions.size()), header));
+      open_beams_.publish(xyz_cloud_of(begin, directions.size(), header));
     }
     points_.publish(to_msg(result_.points, header));
     if (rejected_.getNumSubscribers() > 0) rejected_.publish(to_msg(result_.ghosts, header));

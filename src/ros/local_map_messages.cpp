@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_map_messages.hpp"
 
-#include <cstring>
-
 #include "voxnav/occupancy/octomap_export.hpp"
 #include "voxnav_ros/conversions.hpp"
 
@@ -23,28 +21,6 @@ voxnav::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::s
   }
   const std::string bytes = handover.content.to_bytes();
   msg.content.assign(bytes.begin(), bytes.end());
-  return msg;
-}
-
-sensor_msgs::PointCloud2 cloud_of(const std::vector<float>& xyz, const std_msgs::Header& header) {
-  sensor_msgs::PointCloud2 msg;
-  msg.header = header;
-  msg.height = 1;
-  msg.width = static_cast<std::uint32_t>(xyz.size() / 3);
-  msg.point_step = 3 * sizeof(float);
-  msg.row_step = msg.width * msg.point_step;
-  msg.is_dense = true;
-  const char* names[] = {"x", "y", "z"};
-  for (std::uint32_t axis = 0; axis < 3; ++axis) {
-    sensor_msgs::PointField field;
-    field.name = names[axis];
-    field.offset = axis * sizeof(float);
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
-    msg.fields.push_back(field);
-  }
-  msg.data.resize(xyz.size() * sizeof(float));
-  if (!xyz.empty()) std::memcpy(msg.data.data(), xyz.data(), msg.data.size());
   return msg;
 }
 

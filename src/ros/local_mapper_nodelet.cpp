@@ -11,6 +11,7 @@
 #include "pending_scans.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryQuality.h"
+#include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
@@ -182,7 +183,8 @@ class LocalMapperNodelet : public NodeletBase {
 
   void publish_pictures(const ros::Time& stamp) {
     if (is_due(stamp, config_.occupied_period_s, &last_occupied_)) {
-      occupied_.publish(cloud_of(map_->occupied_points(), header(stamp)));
+      const std::vector<float> points = map_->occupied_points();
+      occupied_.publish(xyz_cloud_of(points.data(), points.size() / 3, header(stamp)));
     }
     if (octomap_.getNumSubscribers() == 0 || !is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
     const auto timer = diagnostics().time("octomap");

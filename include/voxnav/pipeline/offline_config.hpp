@@ -28,7 +28,8 @@ struct OfflineConfig {
     v("imu_topic", &C::imu_topic, base::any(), "", "topic of the IMU in a bag; empty = found by type");
     v("pose_source", &C::pose_source, base::one_of({"auto", "recording", "lidar"}), "",
       "auto takes the recording's poses where it has them, and LiDAR odometry otherwise");
-    v("mount_position_m", &C::mount_position_m, base::in(-10, 10), "m", "position of the LiDAR on the body");
+    v("mount_position_m", &C::mount_position_m, base::in(-10, 10), "m",
+      "position of the LiDAR on the body; all zero = as /tf_static of a bag has it");
     v("mount_rpy_rad", &C::mount_rpy_rad, base::in(-6.3, 6.3), "rad", "roll, pitch and yaw of the LiDAR on the body");
     v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0, 5), "m",
       "cells this close to the sensor are free, because the vehicle is there");

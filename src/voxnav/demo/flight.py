@@ -55,7 +55,7 @@ def main(argv=None):
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
         demo_mission.fly(record, mission.goal_of(world))
-        notes = _pictures(args, env, record, mission.trunks(world))
+        notes = show(args, env, record, mission.repository_file("rviz/planning.rviz"), mission.trunks(world))
     finally:
         launched.stop()
     result = summary.summarise(record)
@@ -69,11 +69,12 @@ def main(argv=None):
     return 0 if record.reached else 1
 
 
-def _pictures(args, env, record, trunks):
+def show(args, env, record, rviz_config, trunks=None):
+    """Pictures of what was recorded, into args.out. Returns what could not be done."""
     from voxnav.demo import pictures
 
     pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
     if args.no_rviz:
         return []
-    note = rviz_picture(env, mission.repository_file("rviz/planning.rviz"), os.path.join(args.out, "rviz.png"))
+    note = rviz_picture(env, rviz_config, os.path.join(args.out, "rviz.png"))
     return [note] if note else []

@@ -45,9 +45,9 @@ class FlightRecord:
     def odometry(self):
         return self.odometry_track.arrays()
 
-    def truth_during_mission(self):
-        """From the goal's arrival to the end of the mission."""
-        stamps, positions = self.truth
+    def flown_during_mission(self):
+        """The true path from the goal's arrival to the end of the mission; by odometry where the truth is unknown."""
+        stamps, positions = self.truth if len(self.truth[0]) else self.odometry
         if self.mission is None or not len(stamps):
             return np.empty(0), np.empty((0, 3))
         inside = (stamps >= self.mission[0]) & (stamps <= self.mission[1])

@@ -26,7 +26,7 @@ def trajectory_error(track, truth):
 
 def summarise(record):
     """record: voxnav.demo.record.FlightRecord -> dict as DESIGN section 7 names it. Unmeasured fields are None."""
-    flown = record.truth_during_mission()
+    flown = record.flown_during_mission()
     return {
         "reached": record.reached,
         "reason": record.reason,
@@ -54,9 +54,9 @@ def _number(value, pattern="%.2f", unit=""):
     return "not measured" if value is None else pattern % value + unit
 
 
-def table(summary):
+def table(summary, question="goal reached"):
     """The summary as text for a person."""
-    lines = ["", "goal reached            %s (%s)" % ("yes" if summary["reached"] else "NO", summary["reason"]),
+    lines = ["", "%-23s %s (%s)" % (question, "yes" if summary["reached"] else "NO", summary["reason"]),
              "true minimum clearance  " + _number(summary["min_clearance_m"], unit=" m")]
     if summary["straight_m"]:
         lines.append("path / straight line    %.1f m / %.1f m = %.2f" % (

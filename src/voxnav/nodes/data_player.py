@@ -21,6 +21,9 @@ from voxnav.nodes.clouds import points_to_msg
 from voxnav.offline.datasets import Imu
 
 
+SWEEP_S = 0.1  # of the usual sensors
+
+
 class PlayerError(RuntimeError):
     """The nodes do not answer; the text says which."""
 
@@ -33,12 +36,17 @@ def _set_pose(position, orientation, T):
 class DataPlayer:
     """Publishes clouds, IMU and (when the recording has them) poses of a dataset below the UAV's namespace.
 
-    wait_for: names of the nodes whose Progress each cloud waits for.
+    wait_for: node -> number of clouds it may lag behind; each cloud waits for their Progress.
+    first_stamp_s: when the recording begins in played time (zero means "newest" to tf, so it cannot be that).
     """
 
-    def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, timeout_s=30.0):
-        self._dataset, self._wait_for, self._timeout_s = dataset, tuple(wait_for), timeout_s
+    def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, T_B_L=None, first_stamp_s=10.0,
+                 timeout_s=30.0):
+        self._dataset, self._wait_for, self._timeout_s = dataset, dict(wait_for), timeout_s
         self._origin_frame, self._body_frame, self._sensor_frame = origin_frame, body_frame, sensor_frame
+        self._T_L_B = np.eye(4) if T_B_L is None else np.linalg.inv(T_B_L)
+        self._first_stamp_s, self.offset_s = first_stamp_s, None
+        self._stamps = []
         self._progress = {}
         self._changed = threading.Condition()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -60,41 +68,54 @@ class DataPlayer:
                 raise PlayerError("nobody subscribed to the clouds within %.0f s" % timeout_s)
             time.sleep(0.05)
 
-    def play(self, on_scan=None):
-        """Play everything; on_scan(count) is called after each scan. Raises PlayerError when a node stops answering."""
+    def play(self):
+        """Play everything, yielding the number of scans played. Raises PlayerError when a node stops answering."""
         self.wait_for_subscribers()
         for count, record in enumerate(self._scans(), 1):
             self._play_scan(record)
-            if on_scan:
-                on_scan(count)
+            yield count
 
     def _scans(self):
         for record in self._dataset:
+            if self.offset_s is None:
+                self.offset_s = self._first_stamp_s - record.stamp
             if isinstance(record, Imu):
                 self._imu.publish(self._imu_msg(record))
             else:
                 yield record
 
     def _imu_msg(self, record):
-        out = ImuMsg(header=Header(stamp=rospy.Time.from_sec(record.stamp), frame_id=self._sensor_frame))
+        out = ImuMsg(header=Header(stamp=self._time(record.stamp), frame_id=self._sensor_frame))
         out.angular_velocity.x, out.angular_velocity.y, out.angular_velocity.z = record.gyro
         out.linear_acceleration.x, out.linear_acceleration.y, out.linear_acceleration.z = record.accel
         return out
 
+    def _time(self, stamp_s):
+        return rospy.Time.from_sec(stamp_s + self.offset_s)
+
     def _play_scan(self, scan):
-        stamp = rospy.Time.from_sec(scan.stamp)
-        if scan.pose is not None:
-            self._publish_pose(stamp, scan.pose)
+        stamp = self._time(scan.stamp)
+        self._clock.publish(Clock(clock=stamp + rospy.Duration(SWEEP_S)))
+        self._publish_poses(scan)
         if scan.raw is not None:
             cloud = PointCloud2()
             cloud.deserialize(_bytes_of(scan.raw))
-            cloud.header.frame_id = self._sensor_frame
+            cloud.header.frame_id, cloud.header.stamp = self._sensor_frame, stamp
         else:
             points = scan.points.reshape(-1, 4)
             cloud = points_to_msg(points, Header(stamp=stamp, frame_id=self._sensor_frame))
-        self._clock.publish(Clock(clock=stamp + rospy.Duration(0.1)))
         self._cloud.publish(cloud)
-        self._await(scan.stamp)
+        self._stamps.append(stamp.to_sec())
+        self._await()
+
+    def _publish_poses(self, scan):
+        """Of the whole sweep where the recording has them: points are moved to one instant by them."""
+        if scan.pose is None:
+            return
+        for after_s in np.linspace(0.0, SWEEP_S, 4) if scan.pose_at else (0.0,):
+            T_O_L = scan.pose_at(after_s) if scan.pose_at else scan.pose
+            if T_O_L is not None:
+                self._publish_pose(self._time(scan.stamp + after_s), T_O_L @ self._T_L_B)
 
     def _publish_pose(self, stamp, T_O_B):
         odometry = Odometry(header=Header(stamp=stamp, frame_id=self._origin_frame), child_frame_id=self._body_frame)
@@ -106,17 +127,19 @@ class DataPlayer:
         _set_pose(transform.transform.translation, transform.transform.rotation, np.linalg.inv(T_O_B))
         self._tf.sendTransform(transform)
 
-    def _await(self, stamp):
+    def _await(self):
+        wanted = {node: self._stamps[-1 - lag] for node, lag in self._wait_for.items() if len(self._stamps) > lag}
         deadline = time.monotonic() + self._timeout_s
         with self._changed:
             while True:
-                late = [n for n in self._wait_for if self._progress.get(n, -1.0) < stamp - 1e-6]
+                late = [node for node, stamp in wanted.items() if self._progress.get(node, -1.0) < stamp - 1e-6]
                 if not late:
+                    del self._stamps[:-10]
                     return
                 left = deadline - time.monotonic()
                 if left <= 0 or rospy.is_shutdown():
                     raise PlayerError("%s did not deal with the cloud of %.3f within %.0f s" % (
-                        ", ".join(late), stamp, self._timeout_s))
+                        ", ".join(late), self._stamps[-1], self._timeout_s))
                 self._changed.wait(left)
 
 

@@ -14,7 +14,8 @@ TAKE_OFF_LIMIT_S = 60.0
 FLIGHT_LIMIT_S = 420.0
 
 
-def _wait_for_master(uri, timeout_s):
+def wait_for_master(uri, timeout_s):
+    """Raises MissionError."""
     deadline = time.monotonic() + timeout_s
     while time.monotonic() < deadline:
         try:
@@ -32,7 +33,7 @@ def fly(record, goal, uav="uav1"):
     """
     recorder = None
     try:
-        _wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
+        wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
         rospy.init_node("demo", disable_signals=True)
         recorder = FlightRecorder(record)
         recorder.wait_for_nodes(NODES_LIMIT_S)

@@ -18,6 +18,8 @@ from voxnav.nodes.clouds import points_from_msg
 NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer",
          "planning_manager")
 
+FINAL_DIAGNOSTICS_S = 5.0
+
 
 class MissionError(RuntimeError):
     """The mission could not go on; the text says why."""
@@ -26,23 +28,22 @@ class MissionError(RuntimeError):
 class FlightRecorder:
     """Subscribes below the UAV's namespace and fills a voxnav.demo.record.FlightRecord."""
 
-    def __init__(self, record):
-        self.record = record
+    def __init__(self, record, nodes=NODES, odometry_topic="estimation_manager/odom_main"):
+        self.record, self._expected = record, nodes
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._clouds = {}
         self.speed_mps = 0.0
         self.reasons = []  # of the planner, in order, each change once
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
-        rospy.Subscriber("estimation_manager/odom_main", Odometry, self._on_odometry(record.odometry_track),
-                         queue_size=50)
+        rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=50)
         rospy.Subscriber("submap_optimizer/trajectory", Path, self._on_trajectory, queue_size=1)
         rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=10)
         rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
         rospy.Subscriber("control_manager/diagnostics", ControlManagerDiagnostics, self._on_control, queue_size=5)
         for name in ("local_mapper/occupied", "submap_integrator/obstacle_cloud"):
             rospy.Subscriber(name, PointCloud2, self._on_cloud, callback_args=name, queue_size=1)
-        for node in NODES:
+        for node in nodes:
             rospy.Subscriber(node + "/diagnostics", NodeDiagnostics, self._on_diagnostics, queue_size=2)
 
     def _on_odometry(self, track):
@@ -107,9 +108,9 @@ class FlightRecorder:
 
     def wait_for_nodes(self, timeout_s):
         try:
-            self.wait_until(lambda: all(node in self._nodes for node in NODES), timeout_s, "nodes")
+            self.wait_until(lambda: all(node in self._nodes for node in self._expected), timeout_s, "nodes")
         except MissionError as error:
-            missing = [node for node in NODES if node not in self._nodes]
+            missing = [node for node in self._expected if node not in self._nodes]
             raise MissionError("%s: not heard %s" % (error, ", ".join(missing)))
 
     def take_off(self, timeout_s):
@@ -167,7 +168,13 @@ class FlightRecorder:
     def finish(self):
         """Copy the newest diagnostics and clouds into the record."""
         with self._lock:
-            nodes, clouds = dict(self._nodes), dict(self._clouds)
+            nodes, self._nodes = self._nodes, {}
+        try:  # what they publish from now on counts everything until now
+            self.wait_until(lambda: all(node in self._nodes for node in self._expected), FINAL_DIAGNOSTICS_S, "them")
+        except MissionError:
+            pass  # what a silent node said before is the best there is
+        with self._lock:
+            nodes, clouds = dict(nodes, **self._nodes), dict(self._clouds)
         for node, msg in nodes.items():
             self.record.rss_mb[node] = msg.rss_bytes / 1e6
             for stage in msg.stages:

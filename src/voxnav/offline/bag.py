@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rosbags as a stream of records (see ``datasets``)."""
 
-import bisect
 import collections
 import os
 import shutil
@@ -10,7 +9,16 @@ import tempfile
 import numpy as np
 
 from voxnav import files
-from voxnav.offline.datasets import DatasetError, Imu, Scan
+from voxnav.offline.datasets import MAX_WARNINGS, DatasetError, Imu, Scan, interpolate_pose
+
+# Clouds that wait for odometry to pass them; more are taken as clouds without a pose.
+_MAX_WAITING = 100
+# A scan waits until odometry covers its sweep, which takes this long at the usual 10 Hz [s].
+_SWEEP_S = 0.11
+# Odometry kept for scans that wait.
+_MAX_POSES = 5000
+# Messages that are looked through for the sensor's mount.
+_MAX_STATIC_TRANSFORMS = 1000
 
 _CLOUD, _ODOMETRY, _IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
 
@@ -43,45 +51,50 @@ def _open(path, warnings):
 
 
 def _pose(msg):
+    """(4, 4) of a Pose or a Transform."""
     T = np.eye(4)
-    q, p = msg.orientation, msg.position
+    q, p = (msg.orientation, msg.position) if hasattr(msg, "position") else (msg.rotation, msg.translation)
     T[:3, :3] = files.rotation_from_quaternion([q.x, q.y, q.z, q.w])
     T[:3, 3] = [p.x, p.y, p.z]
     return T
 
 
-def interpolate_pose(stamps, poses, stamp):
-    """Pose at a stamp between two others; None outside. Rotation by the shorter arc (normalised linear blend)."""
-    k = bisect.bisect_left(stamps, stamp)
-    if k < len(stamps) and stamps[k] == stamp:
-        return poses[k]
-    if k == 0 or k == len(stamps):
-        return None
-    ratio = (stamp - stamps[k - 1]) / (stamps[k] - stamps[k - 1])
-    a, b = poses[k - 1], poses[k]
-    qa, qb = files.quaternion_from_rotation(a[:3, :3]), files.quaternion_from_rotation(b[:3, :3])
-    if np.dot(qa, qb) < 0:
-        qb = -qb
-    T = np.eye(4)
-    T[:3, :3] = files.rotation_from_quaternion((1 - ratio) * qa + ratio * qb)
-    T[:3, 3] = (1 - ratio) * a[:3, 3] + ratio * b[:3, 3]
-    return T
+class PoseHistory:
+    """The newest poses, by time."""
+
+    def __init__(self):
+        self._stamps, self._poses = [], []
+
+    def add(self, stamp, pose):
+        """False for a pose that is not newer than the last."""
+        if self._stamps and stamp <= self._stamps[-1]:
+            return False
+        self._stamps.append(stamp)
+        self._poses.append(pose)
+        if len(self._stamps) > 2 * _MAX_POSES:
+            del self._stamps[:_MAX_POSES], self._poses[:_MAX_POSES]
+        return True
+
+    def at(self, stamp):
+        return interpolate_pose(self._stamps, self._poses, stamp)
 
 
 class Bag:
     """Clouds, and odometry and IMU where there are any.
 
-    Topics left empty are found by type; more than one cloud topic needs a choice. Raises DatasetError.
+    Topics left empty are found by type; where there are several, the first in the alphabet is taken, with a warning.
+    T_B_L: (4, 4) mount of the LiDAR on the body; None takes it from /tf_static, or else the identity, with a warning.
+    Raises DatasetError.
     """
 
     def __init__(self, path, cloud_topic="", odometry_topic="", imu_topic="", T_B_L=None, use_odometry=True):
         self.warnings = []
         self._bag, self._copy = _open(path, self.warnings)
-        self._T_B_L = np.eye(4) if T_B_L is None else T_B_L
         self.cloud_topic = self._topic(_CLOUD, cloud_topic, required=True)
         self.odometry_topic = self._topic(_ODOMETRY, odometry_topic) if use_odometry else ""
         self.imu_topic = self._topic(_IMU, imu_topic)
         self.num_scans = self._bag.get_message_count(topic_filters=[self.cloud_topic])
+        self.T_B_L = self._mount() if T_B_L is None else T_B_L
 
     def close(self):
         self._bag.close()
@@ -103,9 +116,34 @@ class Bag:
             self.warnings.append("several topics of type %s, taking %s of %s" % (kind, found[0], found))
         return found[0]
 
+    def _first(self, topic):
+        return next((msg for _, msg, _ in self._bag.read_messages(topics=[topic])), None)
+
+    def _mount(self):
+        """T_B_L from the frames that cloud and odometry (or IMU) name."""
+        cloud, body = self._first(self.cloud_topic).header.frame_id, ""
+        if self.odometry_topic:
+            body = self._first(self.odometry_topic).child_frame_id
+        elif self.imu_topic:
+            body = self._first(self.imu_topic).header.frame_id
+        if not body or body == cloud:
+            return np.eye(4)
+        for count, (_, msg, _) in enumerate(self._bag.read_messages(topics=["/tf_static", "tf_static"])):
+            for link in msg.transforms:
+                ends = (link.header.frame_id, link.child_frame_id)
+                if ends == (body, cloud):
+                    return _pose(link.transform)
+                if ends == (cloud, body):
+                    return np.linalg.inv(_pose(link.transform))
+            if count >= _MAX_STATIC_TRANSFORMS:
+                break
+        self.warnings.append("no transform from %s to %s on /tf_static: the sensor is taken to sit at the body's "
+                             "origin; give run/mount_position_m and run/mount_rpy_rad" % (body, cloud))
+        return np.eye(4)
+
     def __iter__(self):
         """Scans wait until odometry has passed their stamp, so that their pose is interpolated, not guessed."""
-        stamps, poses = [], []
+        history = PoseHistory()
         waiting = collections.deque()
         last_stamp = -np.inf
         topics = [t for t in (self.cloud_topic, self.odometry_topic, self.imu_topic) if t]
@@ -115,28 +153,33 @@ class Bag:
                 w, a = msg.angular_velocity, msg.linear_acceleration
                 yield Imu(stamp, np.array([w.x, w.y, w.z]), np.array([a.x, a.y, a.z]))
             elif topic == self.odometry_topic:
-                if stamps and stamp <= stamps[-1]:
-                    self.warnings.append("odometry time goes back at %.6f; message left out" % stamp)
-                    continue
-                stamps.append(stamp)
-                poses.append(_pose(msg.pose.pose))
-                del stamps[:-500], poses[:-500]
-                while waiting and waiting[0][0] <= stamp:
-                    yield self._scan(*waiting.popleft(), stamps, poses)
+                if not history.add(stamp, _pose(msg.pose.pose)):
+                    self._warn("odometry time goes back at %.6f; message left out" % stamp)
+                while waiting and waiting[0][0] + _SWEEP_S <= stamp:
+                    yield self._scan(*waiting.popleft(), history)
+            elif stamp <= last_stamp:
+                self._warn("cloud time goes back at %.6f; cloud left out" % stamp)
             else:
-                if stamp <= last_stamp:
-                    self.warnings.append("cloud time goes back at %.6f; cloud left out" % stamp)
-                    continue
                 last_stamp = stamp
-                if self.odometry_topic and (not stamps or stamp > stamps[-1]):
-                    waiting.append((stamp, msg))
-                else:
-                    yield self._scan(stamp, msg, stamps, poses)
+                waiting.append((stamp, msg))
+                if not self.odometry_topic or len(waiting) > _MAX_WAITING:  # there is none, or it has stopped
+                    yield self._scan(*waiting.popleft(), history)
         for stamp, msg in waiting:
-            yield self._scan(stamp, msg, stamps, poses)
+            yield self._scan(stamp, msg, history)
 
-    def _scan(self, stamp, msg, stamps, poses):
-        T_O_B = interpolate_pose(stamps, poses, stamp) if self.odometry_topic else None
-        if self.odometry_topic and T_O_B is None:
-            self.warnings.append("no odometry around cloud %.6f" % stamp)
-        return Scan(stamp, None, msg, None if T_O_B is None else T_O_B @ self._T_B_L)
+    def _warn(self, text):
+        if len(self.warnings) < MAX_WARNINGS:
+            self.warnings.append(text)
+
+    def _scan(self, stamp, msg, history):
+        if not self.odometry_topic:
+            return Scan(stamp, None, msg, None, None)
+
+        def pose_at(after_s):
+            T_O_B = history.at(stamp + after_s)
+            return None if T_O_B is None else T_O_B @ self.T_B_L
+
+        pose = pose_at(0.0)
+        if pose is None:
+            self._warn("no odometry around cloud %.6f" % stamp)
+        return Scan(stamp, None, msg, pose, pose_at)

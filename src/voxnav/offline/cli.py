@@ -76,20 +76,30 @@ def _configs(path):
     return load_configs(tree)
 
 
-def _dataset(args, run, T_B_L):
+def _mount(settings):
+    """T_B_L as configured, or None when it is not."""
+    if not np.any(settings.mount_position_m) and not np.any(settings.mount_rpy_rad):
+        return None
+    T_B_L = np.eye(4)
+    T_B_L[:3, :3] = rotation_from_rpy(np.array(settings.mount_rpy_rad))
+    T_B_L[:3, 3] = settings.mount_position_m
+    return T_B_L
+
+
+def _dataset(args, settings):
+    """The recording, and T_B_L."""
+    T_B_L = _mount(settings)
     if args.scans:
-        return ScanFolder(args.scans, args.poses)
-    return Bag(args.bag, run.cloud_topic, run.odometry_topic, run.imu_topic, T_B_L,
-               use_odometry=run.pose_source != "lidar")
+        return ScanFolder(args.scans, args.poses), np.eye(4) if T_B_L is None else T_B_L
+    bag = Bag(args.bag, settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L,
+              use_odometry=settings.pose_source != "lidar")
+    return bag, bag.T_B_L
 
 
 def run(args):
     configs = _configs(args.config)
     settings = configs["run"]
-    T_B_L = np.eye(4)
-    T_B_L[:3, :3] = rotation_from_rpy(np.array(settings.mount_rpy_rad))
-    T_B_L[:3, 3] = settings.mount_position_m
-    dataset = _dataset(args, settings, T_B_L)
+    dataset, T_B_L = _dataset(args, settings)
     reference = None
     if args.reference:
         stamps, poses = files.read_tum(args.reference)

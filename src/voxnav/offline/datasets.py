@@ -5,6 +5,7 @@ A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in order of t
 ``num_scans`` for the progress bar. ``warnings`` lists what was wrong with the recording but could be passed over.
 """
 
+import bisect
 import collections
 import os
 
@@ -13,13 +14,35 @@ import numpy as np
 from voxnav import files
 
 # points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the scan is organised;
-# raw: message with its field layout instead of points; pose: T_O_L at the stamp, or None.
-Scan = collections.namedtuple("Scan", "stamp points raw pose")
+# raw: message with its field layout instead of points; pose: T_O_L at the stamp, or None;
+# pose_at: function from a time after the stamp [s] to T_O_L or None, for sensors that move while they turn, or None.
+Scan = collections.namedtuple("Scan", "stamp points raw pose pose_at")
 Imu = collections.namedtuple("Imu", "stamp gyro accel")
+
+
+MAX_WARNINGS = 1000
 
 
 class DatasetError(ValueError):
     """The recording cannot be used; the text says what is missing and where."""
+
+
+def interpolate_pose(stamps, poses, stamp):
+    """Pose at a stamp between two others; None outside. Rotation by the shorter arc (normalised linear blend)."""
+    k = bisect.bisect_left(stamps, stamp)
+    if k < len(stamps) and stamps[k] == stamp:
+        return poses[k]
+    if k == 0 or k == len(stamps):
+        return None
+    ratio = (stamp - stamps[k - 1]) / (stamps[k] - stamps[k - 1])
+    a, b = poses[k - 1], poses[k]
+    qa, qb = files.quaternion_from_rotation(a[:3, :3]), files.quaternion_from_rotation(b[:3, :3])
+    if np.dot(qa, qb) < 0:
+        qb = -qb
+    T = np.eye(4)
+    T[:3, :3] = files.rotation_from_quaternion((1 - ratio) * qa + ratio * qb)
+    T[:3, 3] = (1 - ratio) * a[:3, 3] + ratio * b[:3, 3]
+    return T
 
 
 class ScanFolder:
@@ -65,8 +88,8 @@ class ScanFolder:
     def __iter__(self):
         for name, stamp, pose in zip(self._names, self._stamps, self._poses):
             path = os.path.join(self._scan_dir, name)
-            data = np.fromfile(path, dtype="<f4")
-            if data.size % 4:
+            rows, surplus = divmod(os.path.getsize(path), 16)
+            if surplus and len(self.warnings) < MAX_WARNINGS:
                 self.warnings.append("%s: not whole rows of four floats, truncated; the last row is left out" % path)
-                data = data[:data.size // 4 * 4]
-            yield Scan(float(stamp), data.reshape(-1, 4), None, pose)
+            data = np.fromfile(path, dtype="<f4", count=4 * rows)
+            yield Scan(float(stamp), data.reshape(-1, 4), None, pose, None)

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 import voxnav
-from voxnav.offline.datasets import Imu
+from voxnav.offline.datasets import MAX_WARNINGS, Imu, interpolate_pose
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
 
 
@@ -79,13 +79,14 @@ class OfflineMapper:
             filtered = self._filter(scan)
         self.counts["points_in"] += filtered.total
         self.counts["points_kept"] += filtered.counts["kept"]
-        T_O_B = self._body_pose(scan, filtered)
+        points, T_O_B = self._located(scan, filtered)
         if T_O_B is None:
             self.counts["scans_without_pose"] += 1
-            self.warnings.append("scan %.6f left out: no pose" % scan.stamp)
+            if len(self.warnings) < MAX_WARNINGS:
+                self.warnings.append("scan %.6f left out: no pose" % scan.stamp)
             return
         with self.stages.time("local map"):
-            self.map.insert(np.ascontiguousarray(filtered.points[:, :3]), T_O_B @ self._T_B_L)
+            self.map.insert(points, T_O_B @ self._T_B_L)
             if self._run.vehicle_radius_m > 0:
                 self.map.mark_free(T_O_B[:3, 3], self._run.vehicle_radius_m)
         with self.stages.time("submap schedule"):
@@ -105,16 +106,30 @@ class OfflineMapper:
             return self.filter.apply_raw(scan.raw.data, layout, scan.stamp)
         return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32))
 
-    def _body_pose(self, scan, filtered):
-        """T_O_B of the scan, or None when nothing gives one."""
+    def _located(self, scan, filtered):
+        """Points (n, 3) as seen from one place, and T_O_B there, or None when nothing gives a pose."""
+        points = np.ascontiguousarray(filtered.points[:, :3])
         source = self._run.pose_source
         if source == "recording" or (source == "auto" and scan.pose is not None):
-            return None if scan.pose is None else scan.pose @ self._T_L_B
+            return self._deskewed(scan, filtered, points)
         times = filtered.time_offsets_ns * 1e-9
         with self.stages.time("odometry"):
             result = self.odometry.add_cloud(scan.stamp + filtered.sweep_start_s, filtered.points,
                                              times if times.any() else None)
-        return result.pose
+        return points, result.pose
+
+    def _deskewed(self, scan, filtered, points):
+        if scan.pose is None:
+            return points, None
+        offsets, start_s = filtered.time_offsets_ns, filtered.sweep_start_s
+        if scan.pose_at is None or not offsets.any():
+            return points, scan.pose @ self._T_L_B
+        duration_s = 1e-9 * float(offsets.max())
+        start, end = scan.pose_at(start_s), scan.pose_at(start_s + duration_s)
+        if start is None or end is None:  # odometry begins or ends within the sweep
+            return points, scan.pose @ self._T_L_B
+        middle = interpolate_pose([0.0, 1.0], [start, end], 0.5)
+        return voxnav.deskew(points, offsets, start, end, duration_s), middle @ self._T_L_B
 
     def _take(self, handover):
         """A part of a submap, or the last of it: then it is filled and put into the graph, which is solved."""

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``make demo-real``: a recording through the nodes, from nothing to a summary and pictures."""
+
+import argparse
+import os
+import sys
+import time
+
+from voxnav import files
+from voxnav.demo import processes, summary
+from voxnav.demo.flight import show
+from voxnav.demo.mission import repository_file
+from voxnav.demo.record import FlightRecord
+from voxnav.offline.cli import ProgressBar
+from voxnav.offline.datasets import DatasetError, ScanFolder
+
+
+def arguments(argv):
+    parser = argparse.ArgumentParser(prog="demo_real", description=__doc__)
+    parser.add_argument("--data", required=True, help="rosbag, or folder with scans/%%06d.bin and times.txt")
+    parser.add_argument("--poses", help="TUM poses of the sensor to map with; without: LiDAR odometry, or the bag's")
+    parser.add_argument("--reference", help="TUM trajectory to measure against; default: poses_gt.txt in the folder")
+    parser.add_argument("--out", default="build/demo_real", help="folder for summary.json and the pictures")
+    parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
+    return parser.parse_args(argv)
+
+
+def _dataset(args):
+    """(dataset, whether it brings poses, T_B_L or None)."""
+    if os.path.isdir(args.data):
+        return ScanFolder(args.data, args.poses), args.poses is not None, None
+    from voxnav.offline.bag import Bag
+
+    bag = Bag(args.data)
+    return bag, bool(bag.odometry_topic), bag.T_B_L
+
+
+def _reference(args):
+    path = args.reference or os.path.join(args.data, "poses_gt.txt")
+    if not os.path.exists(path):
+        if args.reference:
+            raise DatasetError("%s: no such file" % path)
+        return None
+    stamps, poses = files.read_tum(path)
+    return stamps, poses[:, :3, 3]
+
+
+def main(argv=None):
+    args = arguments(argv)
+    os.makedirs(args.out, exist_ok=True)
+    name = os.path.basename(os.path.normpath(args.data))
+    record = FlightRecord(name, 0)
+    started, log = time.monotonic(), os.path.join(args.out, "roslaunch.log")
+    try:
+        dataset, has_poses, T_B_L = _dataset(args)
+        reference = _reference(args)
+    except (DatasetError, ValueError, OSError) as error:
+        print("demo_real: %s" % error, file=sys.stderr)
+        return 1
+    print("demo_real: %s through the nodes, poses from %s; logs in %s" % (
+        args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
+    launched, env = processes.launch("bag.launch", {"odometry": "external" if has_poses else "lidar"}, log)
+    try:
+        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
+        from voxnav.nodes import mapping_mission  # rospy reads master and namespace when it is imported
+
+        bar = ProgressBar(dataset.num_scans)
+        mapping_mission.run(record, dataset, has_poses, T_B_L, reference, bar.update)
+        notes = dataset.warnings[:10] + show(args, env, record, repository_file("rviz/mapping.rviz"))
+    finally:
+        launched.stop()
+    result = summary.summarise(record)
+    summary.write_json(os.path.join(args.out, "summary.json"), result)
+    print(summary.table(result, "recording mapped"))
+    for note in notes:
+        print("note: " + note)
+    print("\npictures and summary.json in %s (%.0f s)" % (args.out, time.monotonic() - started))
+    return 0 if record.reached else 1

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recording played to the mapping nodes."""
+
+import os
+
+import numpy as np
+import rospy
+from std_srvs.srv import Trigger
+
+from voxnav.nodes.data_player import DataPlayer, PlayerError
+from voxnav.nodes.demo_mission import wait_for_master
+from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
+
+MAPPING_NODES = ("cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer")
+NODES_LIMIT_S = 120.0
+CLOSING_LIMIT_S = 30.0
+
+
+def run(record, dataset, has_poses, T_B_L, reference, on_scan, uav="uav1"):
+    """Play it on the master of the environment; whatever stops it ends up in record.reason.
+
+    reference: (stamps, positions) on the recording's clock, or None.
+    """
+    nodes = MAPPING_NODES if has_poses else MAPPING_NODES + ("lidar_odometry",)
+    # With times of their own, points wait for the pose at the end of their sweep, which comes with the next cloud.
+    lags = {node: 1 if node == "local_mapper" else 0 for node in nodes if not node.startswith("submap")}
+    recorder, player, played = None, None, 0
+    try:
+        wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
+        rospy.init_node("demo_real", disable_signals=True)
+        topic = "estimation_manager/odom_main" if has_poses else "lidar_odometry/odom"
+        recorder = FlightRecorder(record, nodes, topic)
+        player = DataPlayer(dataset, uav + "/slam_origin", uav + "/fcu", uav + "/os_sensor", lags, T_B_L)
+        recorder.wait_for_nodes(NODES_LIMIT_S)
+        for played in player.play():
+            on_scan(played)
+        _close(recorder, record)
+        record.reached = True
+    except (MissionError, PlayerError, ValueError, rospy.ROSException, rospy.ServiceException) as error:
+        record.reason = "%s, after %d of %d scans" % (error, played, dataset.num_scans)
+    else:
+        record.reason = "%d of %d scans" % (played, dataset.num_scans)
+    if recorder is None:
+        return
+    if reference is not None and player.offset_s is not None:
+        for stamp, position in zip(*reference):
+            record.truth_track.add(stamp + player.offset_s, position)
+    recorder.finish()
+    stamps = record.odometry[0]
+    if len(stamps):
+        record.mission = (stamps[0], stamps[-1])
+
+
+def _close(recorder, record):
+    """Hand the open submap over, and wait until the map shows it."""
+    rospy.wait_for_service("local_mapper/close_submap", 10.0)
+    answer = rospy.ServiceProxy("local_mapper/close_submap", Trigger)()
+    if not answer.success:
+        raise MissionError("the last submap was not closed: " + answer.message)
+    newest = record.odometry[0][-1] if len(record.odometry[0]) else -np.inf
+    recorder.wait_until(lambda: len(record.optimised[0]) and record.optimised[0][-1] > newest - 0.5, CLOSING_LIMIT_S,
+                        "the optimised trajectory of the whole recording")
+    recorder.optimise(10.0)
