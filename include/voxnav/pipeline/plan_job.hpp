@@ -14,10 +14,10 @@ namespace voxnav::pipeline {
 struct PlanOutcome {
   planning::PlanResult plan;
   std::vector<geometry::Vec3> waypoints_O;  ///< from the start to a stop in known free space; empty when there is none
-  bool is_to_goal = false;                  ///< the last waypoint is the goal, or so near to a blocked one that it counts as reached
-  double corridor_radius_m = 0.0;           ///< known free around the waypoints
-  double left_m = 0.0;                      ///< way from the last waypoint to the goal, as planned
-  std::string problem;                      ///< why there are no waypoints, for a person
+  bool is_to_goal = false;  ///< the last waypoint is the goal, or so near to a blocked one that it counts as reached
+  double corridor_radius_m = 0.0;  ///< known free around the waypoints
+  double left_m = 0.0;             ///< way from the last waypoint to the goal, as planned
+  std::string problem;             ///< why there are no waypoints, for a person
 };
 
 /// Searches a way, then cuts it: to known free space with room to stop, and to the longest flight time.

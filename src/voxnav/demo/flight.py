@@ -7,6 +7,7 @@ import sys
 import time
 
 from voxnav.demo import mission, processes, summary
+from voxnav.demo.rviz import Rviz, show
 from voxnav.demo.record import FlightRecord
 
 
@@ -21,24 +22,6 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
-def rviz_picture(env, config, path):
-    """Screenshot of rviz on the present screen, or on a virtual one. Returns what could not be done, or ''."""
-    screen, display = None, os.environ.get("DISPLAY")
-    if not display:
-        screen, display = processes.virtual_screen()
-        if not display:
-            return "no display and no Xvfb: no rviz picture"
-    rviz_env = dict(env, DISPLAY=display, LIBGL_ALWAYS_SOFTWARE="1")
-    log = os.path.splitext(path)[0] + ".log"
-    with processes.Process(["rviz", "-d", config], log, rviz_env):
-        # Software rendering needs a while until maps and markers, sent once or every few seconds, are on screen.
-        time.sleep(25.0)
-        taken = processes.screenshot(display, path)
-    if screen:
-        screen.stop()
-    return "" if taken else "the rviz picture could not be taken, see %s" % log
-
-
 def main(argv=None):
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
@@ -49,14 +32,21 @@ def main(argv=None):
     launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
                    "lockstep": str(args.lockstep).lower()}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
+    rviz = None
     launched, env = processes.launch("simulation.launch", launch_args, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
+        config = mission.repository_file("rviz/planning.rviz")
+        # With a display people watch the flight. Drawing by software would cost the flight its processor.
+        if os.environ.get("DISPLAY") and not args.no_rviz:
+            rviz = Rviz(env, config, os.path.join(args.out, "rviz.log"))
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
-        demo_mission.fly(record, mission.goal_of(world))
-        notes = show(args, env, record, mission.repository_file("rviz/planning.rviz"), mission.trunks(world))
+        demo_mission.fly(record, mission.goal_of(world), os.path.join(args.out, "map"))
+        notes = show(args, env, record, rviz, config, mission.trunks(world))
     finally:
+        if rviz:
+            rviz.stop()
         launched.stop()
     result = summary.summarise(record)
     summary.write_json(os.path.join(args.out, "summary.json"), result)
@@ -67,14 +57,3 @@ def main(argv=None):
     if not record.reached:
         print("demo: NOT reached: %s\nthe nodes' logs: %s" % (record.reason, log), file=sys.stderr)
     return 0 if record.reached else 1
-
-
-def show(args, env, record, rviz_config, trunks=None):
-    """Pictures of what was recorded, into args.out. Returns what could not be done."""
-    from voxnav.demo import pictures
-
-    pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
-    if args.no_rviz:
-        return []
-    note = rviz_picture(env, rviz_config, os.path.join(args.out, "rviz.png"))
-    return [note] if note else []

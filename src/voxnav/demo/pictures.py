@@ -8,14 +8,34 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 
-def _scatter(axes, points, label, size=1.0):
-    if not len(points):
-        return
+# The band of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
+_BAND_M = 1.2
+
+
+def _near_level(points, level_m):
+    return points[np.abs(points[:, 2] - level_m) < _BAND_M] if len(points) else points
+
+
+def _scatter_heights(figure, axes, points, size):
     order = np.argsort(points[:, 2])
-    points = points[order]
-    image = axes.scatter(points[:, 0], points[:, 1], c=points[:, 2], s=size, cmap="viridis", linewidths=0,
-                         rasterized=True, label=label)
-    plt.colorbar(image, ax=axes, label="height [m]", shrink=0.7)
+    image = axes.scatter(points[order, 0], points[order, 1], c=points[order, 2], s=size, cmap="viridis", linewidths=0,
+                         rasterized=True, label="surfaces near flight level", zorder=2)
+    figure.colorbar(image, ax=axes, label="height [m]", shrink=0.7)
+
+
+def _draw_tracks(axes, record):
+    for track, colour, style, label in ((record.odometry, "tab:orange", "-", "odometry"),
+                                        (record.optimised, "tab:blue", "-", "optimised"),
+                                        (record.truth, "black", "--", "true path")):
+        if len(track[0]):
+            axes.plot(track[1][:, 0], track[1][:, 1], style, color=colour, linewidth=1.5, label=label, zorder=4)
+    if record.goal is not None:
+        axes.plot(record.goal[0], record.goal[1], "r*", markersize=16, label="goal", zorder=5)
+
+
+def _flight_level(record):
+    flown = record.flown_during_mission()[1]
+    return float(np.median(flown[:, 2])) if len(flown) else None
 
 
 def top_view(path, record, trunks=None):
@@ -24,28 +44,26 @@ def top_view(path, record, trunks=None):
     trunks: (n, 3) x y radius in metres of the simulated world's trunks, drawn as truth, or None.
     """
     figure, axes = plt.subplots(figsize=(14, 8))
-    points = record.obstacle_points
-    # What stands in the way of a level flight; ground and canopy would cover the picture.
-    flown = record.truth[1]
-    if len(points) and len(flown):
-        level = np.median(flown[:, 2])
-        points = points[np.abs(points[:, 2] - level) < 1.5]
-    _scatter(axes, points, "obstacles near flight level", 3.0)
+    level_m = _flight_level(record)
+    obstacles, surface = record.obstacle_points, record.surface_points
+    if level_m is not None:
+        obstacles, surface = _near_level(obstacles, level_m), _near_level(surface, level_m)
+    if len(obstacles):
+        axes.scatter(obstacles[:, 0], obstacles[:, 1], color="0.88", s=9.0, linewidths=0, rasterized=True,
+                     label="too near to something", zorder=1)
+    if len(surface):
+        _scatter_heights(figure, axes, surface, 4.0)
     if trunks is not None:
         for x, y, radius in trunks:
-            axes.add_patch(plt.Circle((x, y), max(radius, 0.1), color="saddlebrown", zorder=3))
-    for track, colour, label in ((record.odometry, "tab:orange", "odometry"),
-                                 (record.optimised, "tab:blue", "optimised"), (record.truth, "black", "true path")):
-        if len(track[0]):
-            axes.plot(track[1][:, 0], track[1][:, 1], color=colour, linewidth=1.5, label=label, zorder=4)
-    if record.goal is not None:
-        axes.plot(record.goal[0], record.goal[1], "r*", markersize=16, label="goal", zorder=5)
+            axes.add_patch(plt.Circle((x, y), max(radius, 0.15), edgecolor="red", facecolor="none", zorder=3))
+        axes.plot([], [], "o", markeredgecolor="red", markerfacecolor="none", label="true trunks")
+    _draw_tracks(axes, record)
     axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    axes.set_title("%s, seed %s: %s" % (record.world, record.seed, record.reason))
+    axes.set_title("%s: %s" % (record.title, record.reason))
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper left")
+        axes.legend(loc="upper left", fontsize=8)
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=110, bbox_inches="tight")
     plt.close(figure)

@@ -23,8 +23,9 @@ class Track:
 class FlightRecord:
     """Unmeasured values are None."""
 
-    def __init__(self, world, seed):
+    def __init__(self, world, seed=None):
         self.world, self.seed = world, seed
+        self.title = world if seed is None else "%s, seed %d" % (world, seed)
         self.reached, self.reason = False, "the flight did not begin"
         self.goal = None
         self.min_clearance_m = None
@@ -34,7 +35,7 @@ class FlightRecord:
         self.mission = None
         self.stages, self.rss_mb = {}, {}
         self.obstacle_points = np.empty((0, 3))
-        self.occupied_points = np.empty((0, 3))
+        self.surface_points = np.empty((0, 3))  # of the global map
         self.plans = []
 
     @property

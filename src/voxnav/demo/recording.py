@@ -8,9 +8,9 @@ import time
 
 from voxnav import files
 from voxnav.demo import processes, summary
-from voxnav.demo.flight import show
 from voxnav.demo.mission import repository_file
 from voxnav.demo.record import FlightRecord
+from voxnav.demo.rviz import Rviz, show
 from voxnav.offline.cli import ProgressBar
 from voxnav.offline.datasets import DatasetError, ScanFolder
 
@@ -49,7 +49,7 @@ def main(argv=None):
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
     name = os.path.basename(os.path.normpath(args.data))
-    record = FlightRecord(name, 0)
+    record = FlightRecord(name)
     started, log = time.monotonic(), os.path.join(args.out, "roslaunch.log")
     try:
         dataset, has_poses, T_B_L = _dataset(args)
@@ -59,15 +59,22 @@ def main(argv=None):
         return 1
     print("demo_real: %s through the nodes, poses from %s; logs in %s" % (
         args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
+    rviz = None
     launched, env = processes.launch("bag.launch", {"odometry": "external" if has_poses else "lidar"}, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
         from voxnav.nodes import mapping_mission  # rospy reads master and namespace when it is imported
 
+        config = repository_file("rviz/mapping.rviz")
+        # From the start: a recording ends, and what rviz has not heard by then it never will.
+        if not args.no_rviz:
+            rviz = Rviz(env, config, os.path.join(args.out, "rviz.log"))
         bar = ProgressBar(dataset.num_scans)
-        mapping_mission.run(record, dataset, has_poses, T_B_L, reference, bar.update)
-        notes = dataset.warnings[:10] + show(args, env, record, repository_file("rviz/mapping.rviz"))
+        mapping_mission.run(record, dataset, has_poses, T_B_L, reference, bar.update, os.path.join(args.out, "map"))
+        notes = dataset.warnings[:10] + show(args, env, record, rviz, config)
     finally:
+        if rviz:
+            rviz.stop()
         launched.stop()
     result = summary.summarise(record)
     summary.write_json(os.path.join(args.out, "summary.json"), result)

@@ -75,6 +75,17 @@ class DataPlayer:
             self._play_scan(record)
             yield count
 
+    def keep_time(self):
+        """Lets the clock go on after the last scan, until the node ends, so that tf and rviz go on too."""
+        threading.Thread(target=self._tick, daemon=True).start()
+
+    def _tick(self):
+        now = rospy.Time.now()
+        while not rospy.is_shutdown():
+            now += rospy.Duration(0.1)
+            self._clock.publish(Clock(clock=now))
+            time.sleep(0.1)
+
     def _scans(self):
         for record in self._dataset:
             if self.offset_s is None:

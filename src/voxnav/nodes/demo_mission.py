@@ -26,10 +26,10 @@ def wait_for_master(uri, timeout_s):
     raise MissionError("no ROS master at %s" % uri)
 
 
-def fly(record, goal, uav="uav1"):
+def fly(record, goal, map_dir, uav="uav1"):
     """Fly to goal (3,), given in the map frame, on the master of the environment.
 
-    Whatever stops the mission ends up in record.reason.
+    Whatever stops the mission ends up in record.reason; the map goes to the folder map_dir.
     """
     recorder = None
     try:
@@ -43,4 +43,5 @@ def fly(record, goal, uav="uav1"):
     except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = str(error)
     if recorder is not None:
+        recorder.save_map(map_dir)
         recorder.finish()

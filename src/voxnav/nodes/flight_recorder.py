@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Flies one mission (take off, go to a goal) and remembers what happened."""
 
+import os
 import threading
 import time
 
 import numpy as np
 import rospy
 from mrs_msgs.msg import ControlManagerDiagnostics
-from mrs_msgs.srv import ReferenceStampedSrv, ReferenceStampedSrvRequest
+from mrs_msgs.srv import ReferenceStampedSrv, ReferenceStampedSrvRequest, String
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
 
+import voxnav
 from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus
 from voxnav.nodes.clouds import points_from_msg
 
@@ -32,7 +34,7 @@ class FlightRecorder:
         self.record, self._expected = record, nodes
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
-        self._clouds = {}
+        self._obstacles = None
         self.speed_mps = 0.0
         self.reasons = []  # of the planner, in order, each change once
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
@@ -41,8 +43,7 @@ class FlightRecorder:
         rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=10)
         rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
         rospy.Subscriber("control_manager/diagnostics", ControlManagerDiagnostics, self._on_control, queue_size=5)
-        for name in ("local_mapper/occupied", "submap_integrator/obstacle_cloud"):
-            rospy.Subscriber(name, PointCloud2, self._on_cloud, callback_args=name, queue_size=1)
+        rospy.Subscriber("submap_integrator/obstacle_cloud", PointCloud2, self._on_cloud, queue_size=1)
         for node in nodes:
             rospy.Subscriber(node + "/diagnostics", NodeDiagnostics, self._on_diagnostics, queue_size=2)
 
@@ -81,9 +82,9 @@ class FlightRecorder:
         with self._lock:
             self._control = msg
 
-    def _on_cloud(self, msg, name):
+    def _on_cloud(self, msg):
         with self._lock:
-            self._clouds[name] = msg
+            self._obstacles = msg
 
     def _on_diagnostics(self, msg):
         with self._lock:
@@ -165,6 +166,17 @@ class FlightRecorder:
         except (rospy.ROSException, rospy.ServiceException) as error:
             rospy.logwarn("no final optimisation: %s", error)
 
+    def save_map(self, directory):
+        """The global map into a folder, and its surface into the record. Says so when that fails."""
+        try:
+            rospy.wait_for_service("submap_integrator/save", 5.0)
+            answer = rospy.ServiceProxy("submap_integrator/save", String)(os.path.abspath(directory))
+            if not answer.success:
+                raise MissionError(answer.message)
+            self.record.surface_points = voxnav.SubmapCollection.load(directory).occupied_points()
+        except (MissionError, ValueError, RuntimeError, rospy.ROSException, rospy.ServiceException) as error:
+            rospy.logwarn("the map was not saved: %s", error)
+
     def finish(self):
         """Copy the newest diagnostics and clouds into the record."""
         with self._lock:
@@ -174,7 +186,7 @@ class FlightRecorder:
         except MissionError:
             pass  # what a silent node said before is the best there is
         with self._lock:
-            nodes, clouds = dict(nodes, **self._nodes), dict(self._clouds)
+            nodes, obstacles = dict(nodes, **self._nodes), self._obstacles
         for node, msg in nodes.items():
             self.record.rss_mb[node] = msg.rss_bytes / 1e6
             for stage in msg.stages:
@@ -184,7 +196,5 @@ class FlightRecorder:
             counters = dict(zip(msg.counter_names, msg.counter_values))
             if node == "uav_simulator":
                 self.record.real_time_factor = counters.get("real_time_factor")
-        if "submap_integrator/obstacle_cloud" in clouds:
-            self.record.obstacle_points = points_from_msg(clouds["submap_integrator/obstacle_cloud"])
-        if "local_mapper/occupied" in clouds:
-            self.record.occupied_points = points_from_msg(clouds["local_mapper/occupied"])
+        if obstacles is not None:
+            self.record.obstacle_points = points_from_msg(obstacles)

@@ -16,8 +16,8 @@ NODES_LIMIT_S = 120.0
 CLOSING_LIMIT_S = 30.0
 
 
-def run(record, dataset, has_poses, T_B_L, reference, on_scan, uav="uav1"):
-    """Play it on the master of the environment; whatever stops it ends up in record.reason.
+def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav1"):
+    """Play it on the master of the environment; whatever stops it ends up in record.reason. The map goes to map_dir.
 
     reference: (stamps, positions) on the recording's clock, or None.
     """
@@ -34,6 +34,7 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, uav="uav1"):
         recorder.wait_for_nodes(NODES_LIMIT_S)
         for played in player.play():
             on_scan(played)
+        player.keep_time()
         _close(recorder, record)
         record.reached = True
     except (MissionError, PlayerError, ValueError, rospy.ROSException, rospy.ServiceException) as error:
@@ -45,6 +46,7 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, uav="uav1"):
     if reference is not None and player.offset_s is not None:
         for stamp, position in zip(*reference):
             record.truth_track.add(stamp + player.offset_s, position)
+    recorder.save_map(map_dir)
     recorder.finish()
     stamps = record.odometry[0]
     if len(stamps):

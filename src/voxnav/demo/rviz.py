@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""rviz beside a demonstration, and its picture."""
+
+import os
+import time
+
+from voxnav.demo import processes
+
+
+class Rviz:
+    """rviz on the present screen, or on a virtual one where there is none; it stays until stop()."""
+
+    # Software rendering needs a while until maps and markers are on screen.
+    _DRAWING_S = 25.0
+
+    def __init__(self, env, config, log):
+        self.problem, self._screen, self._rviz = "", None, None
+        self._display = os.environ.get("DISPLAY")
+        if not self._display:
+            self._screen, self._display = processes.virtual_screen()
+        if not self._display:
+            self.problem = "no display and no Xvfb: no rviz picture"
+            return
+        self._log, self._started = log, time.monotonic()
+        rviz_env = dict(env, DISPLAY=self._display, LIBGL_ALWAYS_SOFTWARE="1")
+        self._rviz = processes.Process(["rviz", "-d", config], log, rviz_env)
+
+    def picture(self, path):
+        """Screenshot. Returns what could not be done, or ''."""
+        if self.problem:
+            return self.problem
+        time.sleep(max(5.0, self._started + self._DRAWING_S - time.monotonic()))
+        is_taken = self._rviz.is_running() and processes.screenshot(self._display, path)
+        return "" if is_taken else "the rviz picture could not be taken, see %s" % self._log
+
+    def stop(self):
+        for process in (self._rviz, self._screen):
+            if process:
+                process.stop()
+
+
+def show(args, env, record, rviz, rviz_config, trunks=None):
+    """Pictures of what was recorded, into args.out. Returns what could not be done.
+
+    rviz: the running one, or None to start one now with rviz_config.
+    """
+    from voxnav.demo import pictures
+
+    pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
+    if args.no_rviz:
+        return []
+    rviz = rviz or Rviz(env, rviz_config, os.path.join(args.out, "rviz.log"))
+    try:
+        note = rviz.picture(os.path.join(args.out, "rviz.png"))
+    finally:
+        rviz.stop()
+    return [note] if note else []
