@@ -53,7 +53,8 @@ def launch(launch_file, arguments, log_path):
     """roslaunch on a private master. Returns (process, environment for further nodes)."""
     port = free_port()
     env = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1")
-    env.pop("ROS_HOSTNAME", None)
+    for name in ("ROS_HOSTNAME", "ROS_NAMESPACE"):
+        env.pop(name, None)
     command = ["roslaunch", "-p", str(port), "voxnav", launch_file]
     command += ["%s:=%s" % item for item in arguments.items()]
     return Process(command, log_path, env), env

@@ -47,6 +47,7 @@ def _reference(args):
 
 def main(argv=None):
     args = arguments(argv)
+    os.environ["ROS_NAMESPACE"] = "/uav1"  # rospy reads it when imported, which opening a bag does
     os.makedirs(args.out, exist_ok=True)
     name = os.path.basename(os.path.normpath(args.data))
     record = FlightRecord(name)
@@ -62,8 +63,8 @@ def main(argv=None):
     rviz = None
     launched, env = processes.launch("bag.launch", {"odometry": "external" if has_poses else "lidar"}, log)
     try:
-        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
-        from voxnav.nodes import mapping_mission  # rospy reads master and namespace when it is imported
+        os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
+        from voxnav.nodes import mapping_mission  # not before: it imports rospy
 
         config = repository_file("rviz/mapping.rviz")
         # From the start: a recording ends, and what rviz has not heard by then it never will.
