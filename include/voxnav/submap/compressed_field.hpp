@@ -8,6 +8,7 @@
 
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/containers/state_grid.hpp"
+#include "voxnav/submap/column_block.hpp"
 #include "voxnav/submap/field_block.hpp"
 
 namespace voxnav::submap {
@@ -66,6 +67,10 @@ class CompressedField {
 
   std::size_t num_blocks() const { return blocks_.size(); }
   const geometry::Index3& block_index(std::size_t i) const { return blocks_[i].index; }
+  /// Position of a block among them, -1 when it is not there.
+  int position_of(const geometry::Index3& block) const;
+  /// States of the i-th block as columns.
+  ColumnBlock columns(std::size_t i) const;
   std::size_t num_leaves() const { return leaves_.size(); }
   double band() const { return band_; }
   std::size_t memory_bytes() const;

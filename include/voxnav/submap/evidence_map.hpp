@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
-#include "voxnav/containers/state_grid.hpp"
-#include "voxnav/submap/submap.hpp"
+#include "voxnav/submap/placed_submap.hpp"
 
 namespace voxnav::submap {
 
-/// A surface point that is still believed, in a voxel of the map frame W.
-struct EvidenceLeaf {
-  std::uint16_t offset;             ///< geometry::offset_in_block() of its voxel
-  std::array<std::int8_t, 3> mean;  ///< from the voxel centre, unit voxel edge / 254
-  std::uint32_t submap_id;
-};
-
 struct EvidenceBlock {
-  containers::StateBlock states;     ///< occupied exactly where a leaf is
+  ColumnBlock states;                ///< occupied exactly where a leaf is, and not free there
   std::vector<EvidenceLeaf> leaves;  ///< in the order in which submaps gave them
 };
 
@@ -33,9 +24,8 @@ class EvidenceMap {
   EvidenceMap(double resolution_m, double clearing_distance_m);
 
   void clear_block(const geometry::Index3& block) { blocks_.erase(block); }
-  /// Adds what one submap knows of one block. Call in order of age. O(16^3).
-  void integrate(const geometry::Index3& block, const Submap& submap, std::uint32_t submap_id,
-                 const geometry::Pose& T_W_S);
+  /// Adds what one submap knows of one block. Call in order of age. O(leaves of the block + 16^2).
+  void integrate(const geometry::Index3& block, const PlacedSubmap& submap);
 
   const EvidenceBlock* find(const geometry::Index3& block) const;
   const std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash>& blocks() const { return blocks_; }
@@ -48,19 +38,12 @@ class EvidenceMap {
   std::size_t memory_bytes() const;
 
  private:
-  void take_free(const geometry::Index3& index, const Submap& submap, const geometry::Pose& T_G_W,
-                 EvidenceBlock* block) const;
-  void drop_cleared(const geometry::Index3& index, const Submap& submap, const geometry::Pose& T_G_W,
-                    EvidenceBlock* block) const;
-  void take_leaves(const geometry::Index3& index, const Submap& submap, std::uint32_t submap_id,
-                   const geometry::Pose& T_W_G, EvidenceBlock* block) const;
+  void drop_cleared(const geometry::Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const;
+  void take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const;
 
   double resolution_m_;
   double clearing_distance_m_;
   std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash> blocks_;
 };
-
-/// Blocks of W that the known part of a submap touches; sorted.
-std::vector<geometry::Index3> footprint(const Submap& submap, const geometry::Pose& T_W_S, double resolution_m);
 
 }  // namespace voxnav::submap

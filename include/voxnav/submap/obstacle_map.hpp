@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <set>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
 #include <vector>
 
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/submap/evidence_map.hpp"
+#include "voxnav/submap/obstacle_inflation.hpp"
 
 namespace voxnav::submap {
 
@@ -17,9 +20,9 @@ class ObstacleMap {
   /// @throws std::invalid_argument unless resolution_m > 0 and 0 <= safety_distance_m <= 10
   ObstacleMap(double resolution_m, double safety_distance_m);
 
-  /// The evidence of these blocks changed: their obstacles and those within reach of them are due.
+  /// The evidence of these blocks changed: they are due, and those within reach where a surface changed.
   void mark_changed(const std::vector<geometry::Index3>& blocks);
-  /// Recomputes at most `max_blocks` due blocks. @return how many are still due
+  /// Recomputes at most `max_blocks` due blocks. Cost follows them, not the map. @return how many are still due
   std::size_t update(const EvidenceMap& evidence, std::size_t max_blocks);
 
   const containers::StateGrid& grid() const { return grid_; }
@@ -29,17 +32,23 @@ class ObstacleMap {
   double safety_distance_m() const { return safety_distance_m_; }
   /// Safety distance with the margin that makes it certain.
   double reach_m() const { return reach_m_; }
-  std::size_t memory_bytes() const { return grid_.memory_bytes(); }
+  std::size_t memory_bytes() const;
 
  private:
-  containers::StateBlock compute(const geometry::Index3& index, const EvidenceMap& evidence) const;
+  using Windows = std::unordered_map<geometry::Index3, std::unique_ptr<BallWindow>, geometry::Index3Hash>;
+  void collect_due(const EvidenceMap& evidence);
+  bool surface_changed(const geometry::Index3& block, const EvidenceBlock* evidence);
+  void add_reaching(const geometry::Index3& index, const EvidenceMap& evidence, Windows* windows, Columns* mask) const;
 
   double safety_distance_m_;
   double reach_m_;
   int reach_blocks_;
   containers::StateGrid grid_;
-  std::set<geometry::Index3> due_;
-  std::set<geometry::Index3> changed_;
+  std::vector<geometry::Index3> marked_;
+  std::vector<geometry::Index3> due_;  ///< sorted, backwards
+  std::vector<geometry::Index3> changed_;
+  /// Checksum of the surface points of each block, as they were when it was last looked at.
+  std::unordered_map<geometry::Index3, std::uint64_t, geometry::Index3Hash> surfaces_;
 };
 
 }  // namespace voxnav::submap

@@ -99,8 +99,7 @@ class SubmapCollection {
   bool has_moved(const Record& record) const;
   void forget(Record* record, std::vector<geometry::Index3>* stale);
   void append(const Key& key, Record* record);
-  void rebuild(const geometry::Index3& block);
-  void integrate(const geometry::Index3& block, const Key& key);
+  void merge(const std::map<Key, std::vector<geometry::Index3>>& work);
   void enforce_limits();
 
   SubmapCollectionConfig config_;

@@ -127,14 +127,48 @@ void CompressedField::link() {
   }
 }
 
-const CompressedField::Block* CompressedField::find(const Index3& index) const {
-  if (table_.empty()) return nullptr;
+int CompressedField::position_of(const Index3& index) const {
+  if (table_.empty()) return -1;
   const std::size_t mask = table_.size() - 1;
   for (std::size_t slot = geometry::Index3Hash{}(index)&mask; table_[slot] >= 0; slot = (slot + 1) & mask) {
-    const Block& block = blocks_[static_cast<std::size_t>(table_[slot])];
-    if (block.index == index) return &block;
+    if (blocks_[static_cast<std::size_t>(table_[slot])].index == index) return table_[slot];
   }
-  return nullptr;
+  return -1;
+}
+
+const CompressedField::Block* CompressedField::find(const Index3& index) const {
+  const int position = position_of(index);
+  return position < 0 ? nullptr : &blocks_[static_cast<std::size_t>(position)];
+}
+
+ColumnBlock CompressedField::columns(std::size_t i) const {
+  const Block& block = blocks_[i];
+  ColumnBlock out;
+  for (int cell = 0; cell < kCells; ++cell) {
+    const std::uint8_t code = block.codes[cell];
+    if (code == kAllUnknown) continue;
+    CellStates states{0x5555555555555555ull, 0x5555555555555555ull};
+    if (code >= kFirstNear) {
+      states = near_[block.first_near + code - kFirstNear].states;
+    } else if (code >= kFirstStates) {
+      states = states_[block.first_states + code - kFirstStates];
+    }
+    // A word holds two layers of sixteen voxels, two bits each.
+    const int first = offset_of(cell, 0);
+    const int z = first >> 8;
+    for (int xy = 0; xy < 16; ++xy) {
+      const std::uint64_t low = states[0] >> (2 * xy);
+      const std::uint64_t high = states[1] >> (2 * xy);
+      const auto column = static_cast<std::size_t>(first & 255) + static_cast<std::size_t>((xy & 3) | ((xy >> 2) << 4));
+      const auto nibble = [&](int bit) {
+        return static_cast<unsigned>(((low >> bit) & 1) | (((low >> (32 + bit)) & 1) << 1) |
+                                     (((high >> bit) & 1) << 2) | (((high >> (32 + bit)) & 1) << 3));
+      };
+      out.free[column] |= static_cast<std::uint16_t>(nibble(0) << z);
+      out.occupied[column] |= static_cast<std::uint16_t>(nibble(1) << z);
+    }
+  }
+  return out;
 }
 
 State CompressedField::state(const Index3& voxel) const {

@@ -5,16 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "voxnav/submap/voxel_walk.hpp"
-
 namespace voxnav::submap {
 namespace {
 
 using containers::State;
 using geometry::Index3;
 using geometry::kBlockSide;
-using geometry::kBlockVolume;
-using geometry::Pose;
 using geometry::Vec3;
 
 geometry::Aabb block_box(const Index3& block, double side_m) {
@@ -28,76 +24,38 @@ EvidenceMap::EvidenceMap(double resolution_m, double clearing_distance_m)
   if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be positive");
 }
 
-void EvidenceMap::integrate(const Index3& index, const Submap& submap, std::uint32_t submap_id, const Pose& T_W_S) {
-  const Pose T_W_G = T_W_S * submap.T_S_G();
-  const Pose T_G_W = T_W_G.inverse(Eigen::Isometry);
+void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
   EvidenceBlock& block = blocks_[index];
-  drop_cleared(index, submap, T_G_W, &block);
-  take_free(index, submap, T_G_W, &block);
-  take_leaves(index, submap, submap_id, T_W_G, &block);
-  for (const EvidenceLeaf& leaf : block.leaves) block.states.set(leaf.offset, State::kOccupied);
+  drop_cleared(index, submap, &block);
+  submap.add_free(index, &block.states.free);
+  take_leaves(submap.leaves(index), &block);
+  block.states.occupied.fill(0);
+  for (const EvidenceLeaf& leaf : block.leaves) {
+    block.states.occupied[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
+  }
+  // Under a leaf nothing is free, also not once a newer submap has taken the leaf away: that submap has to say so.
+  for (std::size_t i = 0; i < block.states.free.size(); ++i) block.states.free[i] &= ~block.states.occupied[i];
   if (block.leaves.empty() && block.states.all_unknown()) blocks_.erase(index);
 }
 
-void EvidenceMap::drop_cleared(const Index3& index, const Submap& submap, const Pose& T_G_W,
-                               EvidenceBlock* block) const {
-  const CompressedField& field = submap.field();
-  const double clearing = clearing_distance_m_ / submap.resolution_m();
+void EvidenceMap::drop_cleared(const Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const {
   const auto is_gone = [&](const EvidenceLeaf& leaf) {
-    const Vec3 p = T_G_W * point_of(index, leaf) / submap.resolution_m();
-    if (field.state(floor_index(p)) != State::kFree) return false;
-    return !field.nearest(p, clearing, CompressedField::Target::kSurfacePoint);
+    return submap.clears(point_of(index, leaf), clearing_distance_m_);
   };
-  // A voxel without leaves becomes unknown here; the free space of the newer submap is taken next.
-  for (const EvidenceLeaf& leaf : block->leaves) block->states.set(leaf.offset, State::kUnknown);
   block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_gone), block->leaves.end());
 }
 
-void EvidenceMap::take_free(const Index3& index, const Submap& submap, const Pose& T_G_W, EvidenceBlock* block) const {
-  const double scale = resolution_m_ / submap.resolution_m();
-  const Vec3 first = T_G_W * geometry::center_of(geometry::voxel_at(index, 0), resolution_m_) / submap.resolution_m();
-  const Eigen::Matrix3d step = T_G_W.linear() * scale;
-  CompressedField::Reader reader(submap.field());
-  for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-    Vec3 p = first + step * Vec3(0, row & 15, row >> 4);
-    for (int x = 0; x < kBlockSide; ++x, p += step.col(0)) {
-      if (reader.state(floor_index(p)) == State::kFree) block->states.set(row * kBlockSide + x, State::kFree);
-    }
-  }
-}
-
-void EvidenceMap::take_leaves(const Index3& index, const Submap& submap, std::uint32_t submap_id, const Pose& T_W_G,
-                              EvidenceBlock* block) const {
-  const geometry::Aabb box = block_box(index, kBlockSide * resolution_m_);
-  const geometry::Aabb box_G = box.transformed(T_W_G.inverse(Eigen::Isometry));
-  const CompressedField& field = submap.field();
-  const double side_m = kBlockSide * submap.resolution_m();
-  const Index3 low = geometry::index_of(box_G.min, side_m);
-  const Index3 high = geometry::index_of(box_G.max, side_m);
-  const std::size_t first_new = block->leaves.size();
-  containers::StateBlock seen;
-  const auto take = [&](const Index3& voxel, const CompressedField::Leaf& leaf) {
-    const Vec3 p = T_W_G * (surface_point(voxel, leaf) * submap.resolution_m()) / resolution_m_;
-    const Index3 at = floor_index(p);
-    if (geometry::block_of(at) != index) return;
-    const Vec3 mean = (p - geometry::center_of(at, 1.0)) * 254.0;
-    const auto byte = [](double v) {
-      return static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, v))));
-    };
-    const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
-    block->leaves.push_back({offset, {byte(mean.x()), byte(mean.y()), byte(mean.z())}, submap_id});
-    seen.set(offset, State::kOccupied);
+/// Newer points replace the older ones of their voxel.
+void EvidenceMap::take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const {
+  if (leaves.first == leaves.last) return;
+  Columns seen{};
+  for (const EvidenceLeaf& leaf : leaves)
+    seen[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
+  const auto is_replaced = [&](const EvidenceLeaf& leaf) {
+    return (seen[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1;
   };
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) field.for_each_leaf_in({x, y, z}, take);
-    }
-  }
-  const auto first = block->leaves.begin();
-  const auto end_of_old = first + static_cast<std::ptrdiff_t>(first_new);
-  const auto kept = std::remove_if(first, end_of_old,
-                                   [&](const EvidenceLeaf& leaf) { return seen.get(leaf.offset) == State::kOccupied; });
-  block->leaves.erase(kept, end_of_old);
+  block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_replaced), block->leaves.end());
+  block->leaves.insert(block->leaves.end(), leaves.begin(), leaves.end());
 }
 
 const EvidenceBlock* EvidenceMap::find(const Index3& block) const {
@@ -149,26 +107,6 @@ std::size_t EvidenceMap::memory_bytes() const {
     bytes += sizeof(entry) + 2 * sizeof(void*) + entry.second.leaves.capacity() * sizeof(EvidenceLeaf);
   }
   return bytes;
-}
-
-std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m) {
-  const Pose T_W_G = T_W_S * submap.T_S_G();
-  const double side_G = kBlockSide * submap.resolution_m();
-  const double side_W = kBlockSide * resolution_m;
-  std::vector<Index3> out;
-  for (std::size_t i = 0; i < submap.field().num_blocks(); ++i) {
-    const geometry::Aabb box = block_box(submap.field().block_index(i), side_G).transformed(T_W_G);
-    const Index3 low = geometry::index_of(box.min, side_W);
-    const Index3 high = geometry::index_of(box.max, side_W);
-    for (int z = low.z; z <= high.z; ++z) {
-      for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});
-      }
-    }
-  }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
-  return out;
 }
 
 }  // namespace voxnav::submap

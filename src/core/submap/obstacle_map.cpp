@@ -8,10 +8,8 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
 using geometry::Index3;
 using geometry::kBlockSide;
-using geometry::Vec3;
 
 double checked_resolution(double resolution_m, double safety_distance_m) {
   if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be positive");
@@ -21,50 +19,29 @@ double checked_resolution(double resolution_m, double safety_distance_m) {
   return resolution_m;
 }
 
-/// One bit per voxel of a block, a 16-bit word per row along x.
-using Mask = std::array<std::uint16_t, kBlockSide * kBlockSide>;
-
-int floor_of(double c) {
-  const int i = static_cast<int>(c);
-  return i - static_cast<int>(c < i);
-}
-/// First and last voxel of the block whose centre lies in [low, high].
-int first_center(double low) { return std::max(0, -floor_of(0.5 - low)); }
-int last_center(double high) { return std::min(kBlockSide - 1, floor_of(high - 0.5)); }
-
-/// Sets every voxel whose centre is nearer than `reach` to p; all in voxel edges from the block's corner.
-void add_ball(const Vec3& p, double reach, Mask* mask) {
-  const double squared = reach * reach;
-  const int y1 = last_center(p.y() + reach);
-  const int z1 = last_center(p.z() + reach);
-  for (int z = first_center(p.z() - reach); z <= z1; ++z) {
-    const double dz = z + 0.5 - p.z();
-    for (int y = first_center(p.y() - reach); y <= y1; ++y) {
-      const double dy = y + 0.5 - p.y();
-      const double rest = squared - dy * dy - dz * dz;
-      if (rest <= 0.0) continue;
-      const double half = std::sqrt(rest);
-      const int x0 = first_center(p.x() - half);
-      const int x1 = last_center(p.x() + half);
-      if (x0 > x1) continue;
-      (*mask)[static_cast<std::size_t>(y + kBlockSide * z)] |=
-          static_cast<std::uint16_t>((0xFFFFu >> (kBlockSide - 1 - x1)) & (0xFFFFu << x0));
-    }
-  }
-}
-
-/// Adds the leaves of one block whose corner lies at `corner` seen from the block of the mask.
-void add_leaves(const EvidenceBlock& block, const Index3& corner, double reach, Mask* mask) {
-  const double high = kBlockSide + reach;
+/// Checksum of where the points are; which submap gave them does not matter.
+std::uint64_t sum_of(const EvidenceBlock& block) {
+  std::uint64_t sum = 0x9E3779B97F4A7C15ull;
   for (const EvidenceLeaf& leaf : block.leaves) {
-    const double x = corner.x + (leaf.offset & 15) + 0.5 + leaf.mean[0] / 254.0;
-    if (x < -reach || x > high) continue;
-    const double y = corner.y + ((leaf.offset >> 4) & 15) + 0.5 + leaf.mean[1] / 254.0;
-    if (y < -reach || y > high) continue;
-    const double z = corner.z + (leaf.offset >> 8) + 0.5 + leaf.mean[2] / 254.0;
-    if (z < -reach || z > high) continue;
-    add_ball({x, y, z}, reach, mask);
+    const std::uint64_t bits = leaf.offset | static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[0])) << 16 |
+                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[1])) << 24 |
+                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[2])) << 32;
+    sum = (sum ^ bits) * 0xBF58476D1CE4E5B9ull;
+    sum ^= sum >> 29;
   }
+  return sum;
+}
+
+/// Blocks are worked through row by row of y, so that windows are dropped as soon as no later block needs them.
+bool comes_later(const Index3& a, const Index3& b) {
+  if (a.y != b.y) return a.y > b.y;
+  return b < a;
+}
+
+template <class Less>
+void sort_unique(std::vector<Index3>* blocks, Less less) {
+  std::sort(blocks->begin(), blocks->end(), less);
+  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
 }
 
 }  // namespace
@@ -76,56 +53,98 @@ ObstacleMap::ObstacleMap(double resolution_m, double safety_distance_m)
       grid_(resolution_m) {}
 
 void ObstacleMap::mark_changed(const std::vector<Index3>& blocks) {
-  for (const Index3& block : blocks) {
+  marked_.insert(marked_.end(), blocks.begin(), blocks.end());
+}
+
+bool ObstacleMap::surface_changed(const Index3& block, const EvidenceBlock* evidence) {
+  const auto old = surfaces_.find(block);
+  if (!evidence || evidence->leaves.empty()) {
+    if (old == surfaces_.end()) return false;
+    surfaces_.erase(old);
+    return true;
+  }
+  const std::uint64_t sum = sum_of(*evidence);
+  if (old != surfaces_.end() && old->second == sum) return false;
+  surfaces_[block] = sum;
+  return true;
+}
+
+void ObstacleMap::collect_due(const EvidenceMap& evidence) {
+  if (marked_.empty()) return;
+  for (const Index3& block : marked_) {
+    due_.push_back(block);
+    if (!surface_changed(block, evidence.find(block))) continue;
     for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
       for (int y = -reach_blocks_; y <= reach_blocks_; ++y) {
-        for (int x = -reach_blocks_; x <= reach_blocks_; ++x) due_.insert(block + Index3{x, y, z});
+        for (int x = -reach_blocks_; x <= reach_blocks_; ++x) due_.push_back(block + Index3{x, y, z});
       }
     }
   }
+  marked_.clear();
+  sort_unique(&due_, comes_later);
 }
 
 std::size_t ObstacleMap::update(const EvidenceMap& evidence, std::size_t max_blocks) {
+  collect_due(evidence);
+  Windows windows;
+  std::int32_t row = 0;
   for (std::size_t done = 0; done < max_blocks && !due_.empty(); ++done) {
-    const Index3 index = *due_.begin();
-    due_.erase(due_.begin());
-    const containers::StateBlock block = compute(index, evidence);
+    const Index3 index = due_.back();
+    due_.pop_back();
+    if (index.y != row) {
+      row = index.y;
+      for (auto it = windows.begin(); it != windows.end();) it = it->first.y < row - 1 ? windows.erase(it) : ++it;
+    }
+    ColumnBlock columns;
+    const EvidenceBlock* known = evidence.find(index);
+    if (known) columns = known->states;
+    add_reaching(index, evidence, &windows, &columns.occupied);
+    const containers::StateBlock block = to_states(columns);
     const containers::StateBlock* old = grid_.find_block(index);
     const bool is_same = old ? old->words == block.words : block.all_unknown();
     if (is_same) continue;
     grid_.replace_block(index, block);
-    changed_.insert(index);
+    changed_.push_back(index);
   }
   return due_.size();
 }
 
-containers::StateBlock ObstacleMap::compute(const Index3& index, const EvidenceMap& evidence) const {
-  Mask mask{};
+void ObstacleMap::add_reaching(const Index3& index, const EvidenceMap& evidence, Windows* windows,
+                               Columns* mask) const {
   const double reach = reach_m_ / grid_.resolution_m();
   for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
     for (int y = -reach_blocks_; y <= reach_blocks_; ++y) {
       for (int x = -reach_blocks_; x <= reach_blocks_; ++x) {
-        const EvidenceBlock* near = evidence.find(index + Index3{x, y, z});
-        if (!near) continue;
-        add_leaves(*near, {x * kBlockSide, y * kBlockSide, z * kBlockSide}, reach, &mask);
+        const Index3 other = index + Index3{x, y, z};
+        const EvidenceBlock* near = evidence.find(other);
+        if (!near || near->leaves.empty()) continue;
+        if (reach > BallWindow::kMaxReach) {
+          add_balls(*near, {-x, -y, -z}, reach, mask);
+          continue;
+        }
+        std::unique_ptr<BallWindow>& window = (*windows)[other];
+        if (!window) {
+          window = std::make_unique<BallWindow>();
+          window->add_balls(*near, reach);
+        }
+        window->copy_to({-x, -y, -z}, mask);
       }
     }
   }
-  containers::StateBlock out;
-  const EvidenceBlock* known = evidence.find(index);
-  if (known) out = known->states;
-  for (int row = 0; row < kBlockSide * kBlockSide; ++row) {
-    for (unsigned bits = mask[static_cast<std::size_t>(row)]; bits != 0; bits &= bits - 1) {
-      out.set(row * kBlockSide + __builtin_ctz(bits), State::kOccupied);
-    }
-  }
-  return out;
 }
 
 containers::GridUpdate ObstacleMap::take_changes() {
-  const std::vector<Index3> blocks(changed_.begin(), changed_.end());
+  std::sort(changed_.begin(), changed_.end());
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+  const std::vector<Index3> blocks = std::move(changed_);
   changed_.clear();
   return containers::changes_of(grid_, blocks);
+}
+
+std::size_t ObstacleMap::memory_bytes() const {
+  constexpr std::size_t kNode = sizeof(std::pair<Index3, std::uint64_t>) + 2 * sizeof(void*);
+  return grid_.memory_bytes() + surfaces_.size() * kNode +
+         (marked_.capacity() + due_.capacity() + changed_.capacity()) * sizeof(Index3);
 }
 
 }  // namespace voxnav::submap

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
 #include <stdexcept>
 
 namespace voxnav::submap {
@@ -126,16 +125,13 @@ void SubmapCollection::append(const Key& key, Record* r) {
   }
 }
 
-void SubmapCollection::rebuild(const Index3& block) {
-  evidence_.clear_block(block);
-  const auto it = by_block_.find(block);
-  if (it == by_block_.end()) return;
-  for (const Key& key : it->second) integrate(block, key);
-}
-
-void SubmapCollection::integrate(const Index3& block, const Key& key) {
-  const Record& r = records_.at(key);
-  evidence_.integrate(block, *r.entry.submap, r.entry.id, r.merged_T_W_S);
+/// Merges by submap, oldest first, so that each is laid into the grid once however many blocks it has to give.
+void SubmapCollection::merge(const std::map<Key, std::vector<Index3>>& work) {
+  for (const auto& [key, blocks] : work) {
+    const Record& r = records_.at(key);
+    const PlacedSubmap placed(*r.entry.submap, r.entry.id, r.merged_T_W_S, config_.resolution_m);
+    for (const Index3& block : blocks) evidence_.integrate(block, placed);
+  }
 }
 
 std::vector<Index3> SubmapCollection::update() {
@@ -144,25 +140,29 @@ std::vector<Index3> SubmapCollection::update() {
   for (auto& item : records_) {
     if (item.second.is_merged && has_moved(item.second)) forget(&item.second, &stale);
   }
-  std::vector<Index3> fresh;  // blocks to which submaps newer than all that is there are added
-  std::set<Key> added;
+  std::map<Key, std::vector<Index3>> fresh;  // blocks to which submaps newer than all that is there are added
   for (auto& [key, r] : records_) {
     if (r.is_merged) continue;
     append(key, &r);
-    added.insert(key);
-    for (const Index3& block : r.blocks) (by_block_[block].back() == key ? fresh : stale).push_back(block);
+    for (const Index3& block : r.blocks) (by_block_[block].back() == key ? fresh[key] : stale).push_back(block);
   }
   sort_unique(&stale);
-  sort_unique(&fresh);
-  std::vector<Index3> changed = stale;
-  for (const Index3& block : stale) rebuild(block);
-  for (const Index3& block : fresh) {
-    if (std::binary_search(stale.begin(), stale.end(), block)) continue;
-    for (const Key& key : by_block_[block]) {
-      if (added.count(key)) integrate(block, key);
-    }
-    changed.push_back(block);
+  std::map<Key, std::vector<Index3>> work;
+  for (const Index3& block : stale) {
+    evidence_.clear_block(block);
+    const auto found = by_block_.find(block);
+    if (found == by_block_.end()) continue;
+    for (const Key& key : found->second) work[key].push_back(block);
   }
+  std::vector<Index3> changed = stale;
+  for (const auto& [key, blocks] : fresh) {
+    for (const Index3& block : blocks) {
+      if (std::binary_search(stale.begin(), stale.end(), block)) continue;
+      work[key].push_back(block);
+      changed.push_back(block);
+    }
+  }
+  merge(work);
   sort_unique(&changed);
   return changed;
 }

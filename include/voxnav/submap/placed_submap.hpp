@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "voxnav/submap/column_block.hpp"
+#include "voxnav/submap/submap.hpp"
+
+namespace voxnav::submap {
+
+/// A surface point that is believed, in a voxel of the map frame W.
+struct EvidenceLeaf {
+  std::uint16_t offset;             ///< geometry::offset_in_block() of its voxel
+  std::array<std::int8_t, 3> mean;  ///< from the voxel centre, unit voxel edge / 254
+  std::uint32_t submap_id;
+};
+
+/// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
+/// each block of W costs no more than what it holds. The submap must outlive it. O(leaves + known blocks).
+class PlacedSubmap {
+ public:
+  PlacedSubmap(const Submap& submap, std::uint32_t id, const geometry::Pose& T_W_S, double resolution_m);
+
+  /// Sets the voxels of a block of W whose centre the submap knows to be free.
+  void add_free(const geometry::Index3& block, Columns* free) const;
+  /// Surface points inside a block of W, in the order in which the submap keeps them.
+  struct Range {
+    const EvidenceLeaf* first = nullptr;
+    const EvidenceLeaf* last = nullptr;
+    const EvidenceLeaf* begin() const { return first; }
+    const EvidenceLeaf* end() const { return last; }
+  };
+  Range leaves(const geometry::Index3& block) const;
+  /// Whether a surface point of W at p_W lies in free space of this submap and farther than `distance_m` from all its
+  /// surfaces.
+  bool clears(const geometry::Vec3& p_W, double distance_m) const;
+
+ private:
+  struct Group {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+  };
+  void sort_leaves(std::uint32_t id);
+  const ColumnBlock* states_of(const geometry::Index3& block_G) const;
+  bool has_occupied_around(const geometry::Index3& voxel_G, int reach) const;
+  void add_free_level(const geometry::Index3& block, Columns* free) const;
+  void add_free_tilted(const geometry::Index3& block, Columns* free) const;
+
+  const Submap* submap_;
+  double resolution_m_;
+  geometry::Pose T_W_G_;
+  geometry::Pose T_G_W_;
+  bool is_level_;  ///< turned about the vertical only, voxels of the same size
+  std::vector<ColumnBlock> states_;
+  std::vector<EvidenceLeaf> leaves_;
+  std::unordered_map<geometry::Index3, Group, geometry::Index3Hash> groups_;
+};
+
+/// Blocks of W that the known part of a submap touches; sorted.
+std::vector<geometry::Index3> footprint(const Submap& submap, const geometry::Pose& T_W_S, double resolution_m);
+
+}  // namespace voxnav::submap

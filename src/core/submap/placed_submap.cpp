@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/submap/placed_submap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxnav/submap/voxel_walk.hpp"
+
+namespace voxnav::submap {
+namespace {
+
+using containers::State;
+using geometry::Index3;
+using geometry::kBlockSide;
+using geometry::Pose;
+using geometry::Vec3;
+
+std::int8_t mean_byte(double edges) {
+  return static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, edges * 254.0))));
+}
+
+bool turns_about_vertical(const Pose& T) {
+  constexpr double kLevel = 1e-5;  // a tenth of a millimetre over ten metres
+  const Eigen::Matrix3d R = T.linear();
+  return std::max({std::abs(R(2, 0)), std::abs(R(2, 1)), std::abs(R(0, 2)), std::abs(R(1, 2))}) < kLevel;
+}
+
+}  // namespace
+
+PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m)
+    : submap_(&submap),
+      resolution_m_(resolution_m),
+      T_W_G_(T_W_S * submap.T_S_G()),
+      T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
+      is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
+  const CompressedField& field = submap.field();
+  states_.resize(field.num_blocks());
+  for (std::size_t i = 0; i < states_.size(); ++i) states_[i] = field.columns(i);
+  sort_leaves(id);
+}
+
+void PlacedSubmap::sort_leaves(std::uint32_t id) {
+  struct Placed {
+    Group* group;
+    EvidenceLeaf leaf;
+  };
+  std::vector<Placed> placed;
+  placed.reserve(submap_->field().num_leaves());
+  const Eigen::Matrix3d R = T_W_G_.linear() * (submap_->resolution_m() / resolution_m_);
+  const Vec3 t = T_W_G_.translation() / resolution_m_;
+  Index3 last{1 << 30, 0, 0};
+  Group* group = nullptr;
+  submap_->field().for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
+    const Vec3 p = R * surface_point(voxel, leaf) + t;
+    const Index3 at = floor_index(p);
+    const Index3 block = geometry::block_of(at);
+    if (block != last) group = &groups_[block];
+    last = block;
+    ++group->count;
+    const Vec3 mean = p - geometry::center_of(at, 1.0);
+    const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
+    placed.push_back({group, {offset, {mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())}, id}});
+  });
+  std::uint32_t next = 0;
+  for (auto& item : groups_) {
+    item.second.first = next;
+    next += item.second.count;
+    item.second.count = 0;
+  }
+  leaves_.resize(placed.size());
+  for (const Placed& item : placed) leaves_[item.group->first + item.group->count++] = item.leaf;
+}
+
+PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
+  const auto found = groups_.find(block);
+  if (found == groups_.end()) return {};
+  const EvidenceLeaf* first = leaves_.data() + found->second.first;
+  return {first, first + found->second.count};
+}
+
+const ColumnBlock* PlacedSubmap::states_of(const Index3& block_G) const {
+  const int position = submap_->field().position_of(block_G);
+  return position < 0 ? nullptr : &states_[static_cast<std::size_t>(position)];
+}
+
+void PlacedSubmap::add_free(const Index3& block, Columns* free) const {
+  is_level_ ? add_free_level(block, free) : add_free_tilted(block, free);
+}
+
+/// Columns of W are columns of G, all shifted alike.
+void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
+  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / resolution_m_;
+  const Vec3 step_x = T_G_W_.linear().col(0);
+  const Vec3 step_y = T_G_W_.linear().col(1);
+  const Index3 lowest = floor_index(first);
+  const int shift = lowest.z & (kBlockSide - 1);
+  Index3 at{1 << 30, 0, lowest.z >> geometry::kBlockShift};
+  const ColumnBlock* low = nullptr;
+  const ColumnBlock* high = nullptr;
+  for (int y = 0; y < kBlockSide; ++y) {
+    Vec3 p = first + y * step_y;
+    for (int x = 0; x < kBlockSide; ++x, p += step_x) {
+      const Index3 voxel = floor_index(p);
+      const Index3 block_G{voxel.x >> geometry::kBlockShift, voxel.y >> geometry::kBlockShift, at.z};
+      if (block_G != at) {
+        at = block_G;
+        low = states_of(at);
+        high = shift > 0 ? states_of(at + Index3{0, 0, 1}) : nullptr;
+      }
+      const auto column = static_cast<std::size_t>((voxel.x & 15) | ((voxel.y & 15) << 4));
+      const unsigned bits = (low ? low->free[column] >> shift : 0u) |
+                            (high ? static_cast<unsigned>(high->free[column]) << (kBlockSide - shift) : 0u);
+      (*free)[static_cast<std::size_t>(x + kBlockSide * y)] |= static_cast<std::uint16_t>(bits);
+    }
+  }
+}
+
+void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
+  const double v_G = submap_->resolution_m();
+  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
+  const Eigen::Matrix3d step = T_G_W_.linear() * (resolution_m_ / v_G);
+  CompressedField::Reader reader(submap_->field());
+  for (int column = 0; column < kBlockSide * kBlockSide; ++column) {
+    Vec3 p = first + step * Vec3(column & 15, column >> 4, 0);
+    for (int z = 0; z < kBlockSide; ++z, p += step.col(2)) {
+      if (reader.state(floor_index(p)) != State::kFree) continue;
+      (*free)[static_cast<std::size_t>(column)] |= static_cast<std::uint16_t>(1u << z);
+    }
+  }
+}
+
+bool PlacedSubmap::has_occupied_around(const Index3& voxel, int reach) const {
+  const Index3 low = geometry::block_of(voxel - Index3{reach, reach, reach});
+  const Index3 high = geometry::block_of(voxel + Index3{reach, reach, reach});
+  for (int bz = low.z; bz <= high.z; ++bz) {
+    const int z0 = std::max(0, voxel.z - reach - bz * kBlockSide);
+    const int z1 = std::min(kBlockSide - 1, voxel.z + reach - bz * kBlockSide);
+    const unsigned mask = (0xFFFFu >> (kBlockSide - 1 - z1)) & (0xFFFFu << z0);
+    for (int by = low.y; by <= high.y; ++by) {
+      for (int bx = low.x; bx <= high.x; ++bx) {
+        const ColumnBlock* block = states_of({bx, by, bz});
+        if (!block) continue;
+        const int x1 = std::min(kBlockSide - 1, voxel.x + reach - bx * kBlockSide);
+        const int y1 = std::min(kBlockSide - 1, voxel.y + reach - by * kBlockSide);
+        for (int y = std::max(0, voxel.y - reach - by * kBlockSide); y <= y1; ++y) {
+          for (int x = std::max(0, voxel.x - reach - bx * kBlockSide); x <= x1; ++x) {
+            if (block->occupied[static_cast<std::size_t>(x + kBlockSide * y)] & mask) return true;
+          }
+        }
+      }
+    }
+  }
+  return false;
+}
+
+bool PlacedSubmap::clears(const Vec3& p_W, double distance_m) const {
+  const Vec3 p = T_G_W_ * p_W / submap_->resolution_m();
+  const Index3 voxel = floor_index(p);
+  const ColumnBlock* block = states_of(geometry::block_of(voxel));
+  if (!block || block->get(geometry::offset_in_block(voxel)) != State::kFree) return false;
+  const double distance = distance_m / submap_->resolution_m();
+  if (!has_occupied_around(voxel, static_cast<int>(std::ceil(distance)))) return true;
+  return !submap_->field().nearest(p, distance, CompressedField::Target::kSurfacePoint);
+}
+
+std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m) {
+  const Pose T_W_G = T_W_S * submap.T_S_G();
+  const double side_G = kBlockSide * submap.resolution_m();
+  const double side_W = kBlockSide * resolution_m;
+  std::vector<Index3> out;
+  for (std::size_t i = 0; i < submap.field().num_blocks(); ++i) {
+    const Index3& block = submap.field().block_index(i);
+    const geometry::Aabb box_G{Vec3(block.x, block.y, block.z) * side_G,
+                               Vec3(block.x + 1, block.y + 1, block.z + 1) * side_G};
+    const geometry::Aabb box = box_G.transformed(T_W_G);
+    const Index3 low = geometry::index_of(box.min, side_W);
+    const Index3 high = geometry::index_of(box.max, side_W);
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});
+      }
+    }
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace voxnav::submap
