@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Prints the parameters of all nodelets as JSON: {node: {section: [{name, default, min, max, choices, unit, doc}]}}.
+// docs/parameters.md is made of it, and a test compares it with config/*.yaml.
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <sstream>
+
+#include "lidar_odometry_config.hpp"
+#include "local_mapper_config.hpp"
+#include "submap_integrator_config.hpp"
+#include "voxnav/cloud/cloud_filter_config.hpp"
+#include "voxnav/cloud/open_beams.hpp"
+#include "voxnav/occupancy/local_map_config.hpp"
+#include "voxnav/odometry/lidar_odometry_config.hpp"
+#include "voxnav/pipeline/submap_scheduler.hpp"
+#include "voxnav/submap/projective_integrator.hpp"
+#include "voxnav/submap/submap_collection.hpp"
+#ifdef VOXNAV_HAS_SIMULATION
+#include "voxnav_simulation/lidar_config.hpp"
+#include "voxnav_simulation/lidar_simulator_config.hpp"
+#include "voxnav_simulation/trajectory_generator.hpp"
+#include "voxnav_simulation/uav.hpp"
+#include "voxnav_simulation/uav_simulator_config.hpp"
+#endif
+
+namespace {
+
+namespace base = voxnav::base;
+
+std::string json(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+std::string json(double value) {
+  if (!std::isfinite(value)) return "null";
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.17g", value);
+  return buffer;
+}
+
+std::string json(bool value) { return value ? "true" : "false"; }
+std::string json(std::int64_t value) { return std::to_string(value); }
+
+template <class T>
+std::string json(const std::vector<T>& list) {
+  std::string out;
+  for (const T& item : list) out += (out.empty() ? "" : ", ") + json(item);
+  return "[" + out + "]";
+}
+
+std::string json(const base::FieldInfo& f) {
+  const std::string value = std::visit([](const auto& v) { return json(v); }, f.value);
+  return "{\"name\": " + json(f.name) + ", \"default\": " + value + ", \"min\": " + json(f.rule.min) +
+         ", \"max\": " + json(f.rule.max) + ", \"choices\": " + json(f.rule.choices) + ", \"unit\": " + json(f.unit) +
+         ", \"doc\": " + json(f.doc) + "}";
+}
+
+template <class C>
+std::string section(const char* name) {
+  std::string fields;
+  for (const base::FieldInfo& f : base::describe(C{})) fields += (fields.empty() ? "" : ",\n  ") + json(f);
+  return json(std::string(name)) + ": [\n  " + fields + "]";
+}
+
+void print(const char* node, const std::vector<std::string>& sections, bool is_last = false) {
+  std::cout << json(std::string(node)) << ": {";
+  for (std::size_t i = 0; i < sections.size(); ++i) std::cout << (i ? ",\n " : "\n ") << sections[i];
+  std::cout << (is_last ? "}\n" : "},\n");
+}
+
+}  // namespace
+
+int main() {
+  namespace ros_ = voxnav_ros;
+  std::cout << "{";
+  print("cloud_filter", {section<voxnav::cloud::CloudFilterConfig>("filter"),
+                         section<voxnav::cloud::OpenBeamsConfig>("open_beams")});
+  print("lidar_odometry", {section<voxnav::odometry::LidarOdometryConfig>("odometry"),
+                           section<ros_::LidarOdometryNodeConfig>("node")});
+  print("local_mapper",
+        {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
+         section<ros_::LocalMapperConfig>("node")});
+#ifdef VOXNAV_HAS_SIMULATION
+  namespace simulation = voxnav_simulation;
+  print("lidar_simulator",
+        {section<simulation::LidarConfig>("lidar"), section<simulation::LidarSimulatorConfig>("node")});
+  print("uav_simulator", {section<simulation::UavSimulatorConfig>("node"), section<simulation::UavConfig>("uav"),
+                          section<simulation::GnssDriftConfig>("drift"), section<simulation::ImuConfig>("imu"),
+                          section<simulation::UavConstraintsConfig>("constraints"),
+                          section<simulation::TrajectoryGeneratorConfig>("generator")});
+#endif
+  print("submap_integrator",
+        {section<ros_::SubmapIntegratorConfig>("node"), section<voxnav::submap::SubmapConfig>("submap"),
+         section<voxnav::submap::ProjectiveConfig>("projective"),
+         section<voxnav::submap::SubmapCollectionConfig>("collection")},
+        true);
+  std::cout << "}\n";
+}

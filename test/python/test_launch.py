@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Launch files can be read, and rviz shows topics that somebody publishes."""
+
+import os
+import re
+
+import pytest
+import yaml
+
+roslaunch = pytest.importorskip("roslaunch")
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+ARGUMENTS = {"nodes": ["UAV_NAME:=uav1"], "voxnav": ["UAV_NAME:=uav1"], "bag": [], "simulation": []}
+NODES = {"cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer", "planning_manager"}
+
+
+def loaded(name, *arguments):
+    path = os.path.join(ROOT, "launch", name + ".launch")
+    os.environ.setdefault("BOND", "")
+    return roslaunch.config.load_config_default([(path, ARGUMENTS[name] + list(arguments))], None, verbose=False,
+                                                assign_machines=False)
+
+
+def nodes_of(config):
+    return {node.name for node in config.nodes}
+
+
+@pytest.mark.parametrize("name", sorted(ARGUMENTS))
+def test_launch_files_start_their_nodes(name):
+    assert nodes_of(loaded(name)) >= NODES - ({"planning_manager"} if name == "bag" else set())
+
+
+def test_arguments_of_mrs_users():
+    standalone = loaded("voxnav", "standalone:=true")
+    assert all("standalone" in node.args for node in standalone.nodes if node.package == "nodelet")
+    assert "voxnav_nodelet_manager" not in nodes_of(standalone)
+    assert "lidar_odometry" in nodes_of(loaded("voxnav", "odometry:=lidar"))
+    other = loaded("voxnav", "UAV_NAME:=uav7", "topic_3d_lidar_in:=velodyne_points")
+    assert {node.namespace for node in other.nodes} == {"/uav7/"}
+    remaps = [pair for node in other.nodes if node.name == "cloud_filter" for pair in node.remap_args]
+    assert any(pair[1].endswith("velodyne_points") for pair in remaps)
+
+
+def test_a_custom_configuration_wins(tmp_path):
+    path = str(tmp_path / "own.yaml")
+    with open(path, "w") as out:
+        out.write("local_mapper: {map: {resolution_m: 0.2}}\n")
+    for name in ("voxnav", "simulation"):
+        config = loaded(name, "custom_config:=" + path)
+        assert config.params["/uav1/local_mapper/map/resolution_m"].value == 0.2
+        assert config.params["/uav1/local_mapper/map/max_range_m"].value == 26.0
+
+
+def published():
+    out = set()
+    for node in loaded("simulation").nodes:
+        for source, target in node.remap_args:
+            if re.search(r"(_out|_in)$", source):
+                out.add(target.replace("~", "/uav1/%s/" % node.name))
+    return out
+
+
+@pytest.mark.parametrize("name", ["planning", "mapping", "graph"])
+def test_rviz_shows_topics_that_exist(name):
+    with open(os.path.join(ROOT, "rviz", name + ".rviz")) as source:
+        manager = yaml.safe_load(source)["Visualization Manager"]
+    topics = [d.get("Topic") or d.get("Marker Topic") for d in manager["Displays"] if "Topic" in d or "Marker Topic" in d]
+    assert len(topics) >= 3
+    assert set(topics) <= published()

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shipped configurations and docs/parameters.md say what the code says."""
+
+import os
+
+import pytest
+import yaml
+
+from voxnav import parameters
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# Files that only list what differs from the defaults.
+PARTIAL = {"map_bag", "simulation", "thesis"}
+
+
+@pytest.fixture(scope="module")
+def everything():
+    paths = [os.path.join(prefix, "lib", "voxnav", "describe_parameters")
+             for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":")]
+    found = [path for path in paths if os.path.exists(path)]
+    if not found:
+        pytest.skip("describe_parameters is not built: no ROS workspace")
+    return dict(parameters.nodelet_parameters(found[0]), **parameters.python_parameters())
+
+
+def configurations():
+    return sorted(name[:-5] for name in os.listdir(os.path.join(ROOT, "config")) if name.endswith(".yaml"))
+
+
+def load(name):
+    with open(os.path.join(ROOT, "config", name + ".yaml")) as source:
+        return yaml.safe_load(source)
+
+
+@pytest.mark.parametrize("node", [name for name in configurations() if name not in PARTIAL])
+def test_shipped_configurations_are_the_defaults(everything, node):
+    tree = load(node)
+    assert set(tree) == set(everything[node])
+    for section, fields in everything[node].items():
+        assert list(tree[section]) == [f["name"] for f in fields], "%s/%s: same fields in the same order" % (node, section)
+        for field in fields:
+            assert tree[section][field["name"]] == field["default"], "%s/%s/%s" % (node, section, field["name"])
+
+
+@pytest.mark.parametrize("name", sorted(PARTIAL & set(configurations())))
+def test_partial_configurations_name_existing_parameters(everything, name):
+    tree = {name: load(name)} if name in everything else load(name)
+    for node, sections in tree.items():
+        for section, values in sections.items():
+            known = {field["name"] for field in everything[node][section]}
+            assert set(values) <= known, "%s: %s/%s" % (name, node, section)
+
+
+def test_every_node_has_a_configuration(everything):
+    assert set(everything) <= set(configurations())
+
+
+def test_documentation_is_up_to_date(everything):
+    with open(os.path.join(ROOT, "docs", "parameters.md")) as source:
+        assert source.read() == parameters.markdown(everything), "run scripts/dev/make_parameter_docs"
