@@ -66,3 +66,16 @@ def test_rviz_shows_topics_that_exist(name):
     topics = [d.get("Topic") or d.get("Marker Topic") for d in manager["Displays"] if "Topic" in d or "Marker Topic" in d]
     assert len(topics) >= 3
     assert set(topics) <= published()
+
+
+def test_the_tmux_session_uses_files_and_arguments_that_exist():
+    directory = os.path.join(ROOT, "tmux", "forest")
+    with open(os.path.join(directory, "session.yml")) as source:
+        text = source.read()
+    yaml.safe_load(text)
+    for path in re.findall(r"\./(config/[\w.]+)|`pwd`/(config/[\w.]+)", text):
+        assert os.path.exists(os.path.join(directory, max(path)))
+    command = re.search(r"roslaunch voxnav (\w+)\.launch(.*)", text)
+    arguments = [word for word in command.group(2).split() if ":=" in word]
+    own = os.path.join(directory, "config", "voxnav.yaml")
+    loaded(command.group(1), *[re.sub(":=.*voxnav.yaml", ":=" + own, word) for word in arguments])
