@@ -7,7 +7,9 @@ import sys
 import time
 import unittest
 
+import rosgraph
 import rospy
+import rosservice
 import rostest
 
 from voxnav.demo import mission
@@ -17,6 +19,29 @@ from voxnav.nodes.flight_recorder import FlightRecorder
 WORLD, SEED = "grove", 1
 LIMIT_S = 90.0  # of wall time, for anything that is waited for
 FRAME = "uav1/voxnav_map"
+MRS_TOPICS = {
+    "estimation_manager/uav_state": "mrs_msgs/UavState", "estimation_manager/odom_main": "nav_msgs/Odometry",
+    "estimation_manager/diagnostics": "mrs_msgs/EstimationDiagnostics",
+    "control_manager/diagnostics": "mrs_msgs/ControlManagerDiagnostics",
+    "control_manager/tracker_cmd": "mrs_msgs/TrackerCommand",
+    "control_manager/current_constraints": "mrs_msgs/DynamicsConstraints",
+    "control_manager/reference": "mrs_msgs/ReferenceStamped",
+    "control_manager/trajectory_reference": "mrs_msgs/TrajectoryReference",
+    "constraint_manager/diagnostics": "mrs_msgs/ConstraintManagerDiagnostics",
+    "uav_manager/diagnostics": "mrs_msgs/UavManagerDiagnostics", "hw_api/gnss": "sensor_msgs/NavSatFix",
+    "hw_api/rtk": "mrs_msgs/RtkGps", "hw_api/imu": "sensor_msgs/Imu", "hw_api/distance_sensor": "sensor_msgs/Range",
+    "os_cloud_nodelet/points": "sensor_msgs/PointCloud2", "mrs_uav_status/display_string": "std_msgs/String",
+    "local_mapper/octomap": "octomap_msgs/Octomap", "planning_manager/reference": "mrs_msgs/ReferenceStamped",
+}
+MRS_SERVICES = {
+    "control_manager/trajectory_reference": "mrs_msgs/TrajectoryReferenceSrv",
+    "control_manager/reference": "mrs_msgs/ReferenceStampedSrv", "control_manager/goto": "mrs_msgs/Vec4",
+    "control_manager/hover": "std_srvs/Trigger", "control_manager/stop_trajectory_tracking": "std_srvs/Trigger",
+    "constraint_manager/set_constraints": "mrs_msgs/String", "uav_manager/takeoff": "std_srvs/Trigger",
+    "uav_manager/land": "std_srvs/Trigger", "trajectory_generation/get_path": "mrs_msgs/GetPathSrv",
+    "trajectory_generation/path": "mrs_msgs/PathSrv", "planning_manager/reference": "mrs_msgs/ReferenceStampedSrv",
+    "planning_manager/goto": "mrs_msgs/Vec4", "planning_manager/stop": "std_srvs/Trigger",
+}
 
 
 class FlightTest(unittest.TestCase):
@@ -62,6 +87,15 @@ class FlightTest(unittest.TestCase):
         self.kill_planner()
         self.arrive()
         self.assertGreater(self.record.min_clearance_m, 0.5)
+
+    def test_interfaces_are_those_of_mrs(self):
+        """Names and types as MRS users know them; md5 sums have a test of their own."""
+        self.recorder.wait_for_nodes(LIMIT_S)
+        topics = dict(rosgraph.Master("/flight_test").getTopicTypes())
+        for topic, kind in MRS_TOPICS.items():
+            self.assertEqual(topics.get("/uav1/" + topic), kind, topic)
+        for service, kind in MRS_SERVICES.items():
+            self.assertEqual(rosservice.get_service_type("/uav1/" + service), kind, service)
 
 
 if __name__ == "__main__":

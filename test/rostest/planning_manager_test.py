@@ -49,13 +49,17 @@ class FakeUav:
         rospy.Service(UAV + "trajectory_generation/get_path", GetPathSrv, self.serve_path)
         rospy.Service(UAV + "control_manager/trajectory_reference", TrajectoryReferenceSrv, self.serve_trajectory)
         rospy.Service(UAV + "control_manager/hover", Trigger, self.serve_hover)
-        rospy.Service(UAV + "local_mapper/get_map", GetGrid, lambda _: GetGridResponse(True, "", self.snapshot()))
+        self.serve_map()
         tf = TransformStamped(child_frame_id=W)
         tf.header.frame_id, tf.transform.rotation.w = O, 1.0
         tf.transform.translation.x = -SHIFT[0]
         self.broadcaster = tf2_ros.StaticTransformBroadcaster()
         self.broadcaster.sendTransform(tf)
         threading.Thread(target=self.run, daemon=True).start()
+
+    def serve_map(self):
+        self.map_service = rospy.Service(UAV + "local_mapper/get_map", GetGrid,
+                                         lambda _: GetGridResponse(True, "", self.snapshot()))
 
     def position_at(self, stamp_s):
         if self.flown is None:
@@ -220,6 +224,18 @@ class PlanningManagerTest(unittest.TestCase):
         self.wait(lambda s: s.has_goal and abs(s.goal.z - 3.0) < 0.2, 10.0, "the goal to be taken")
         self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
         self.assert_at((2.0, 0.0, 3.0))
+
+    def test_6_changes_lost_without_a_map_service_lead_to_hover_until_it_is_there(self):
+        self.assertTrue(self.send((16.0, 0.0, 3.0), O).success)
+        self.wait(lambda s: s.state == PlannerStatus.MOVING, 20.0, "moving")
+        self.uav.map_service.shutdown("test")
+        with self.uav.lock:
+            self.uav.sequence += 5
+        self.wait(lambda s: s.state == PlannerStatus.IDLE and "local map lost" in s.reason, 10.0, "hover")
+        self.assertTrue(self.status.has_goal)
+        self.uav.serve_map()
+        self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
+        self.assert_at((16.0, 0.0, 3.0))
 
 
 if __name__ == "__main__":
