@@ -18,6 +18,7 @@ def arguments(argv):
     parser.add_argument("--out", default="build/demo", help="folder for summary.json and the pictures")
     parser.add_argument("--lockstep", action="store_true", help="results independent of the machine's load")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second")
+    parser.add_argument("--config", default="", help="YAML over the defaults, one section per node")
     parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
     return parser.parse_args(argv)
 
@@ -30,7 +31,8 @@ def main(argv=None):
     started = time.monotonic()
     world = mission.simulated_world(args.world, args.seed)
     launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
-                   "lockstep": str(args.lockstep).lower()}
+                   "lockstep": str(args.lockstep).lower(),
+                   "custom_config": os.path.abspath(args.config) if args.config else ""}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     rviz = None
     launched, env = processes.launch("simulation.launch", launch_args, log)
