@@ -8,15 +8,17 @@
 
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/containers/state_grid.hpp"
+#include "voxnav/occupancy/map_content.hpp"
 #include "voxnav/submap/column_block.hpp"
 #include "voxnav/submap/field_block.hpp"
 
 namespace voxnav::submap {
 
-/// Frozen three-state grid with distances near surfaces. Blocks of 16^3 voxels are made of cells of 4^3; a cell
-/// is one tag (all unknown, all free and far from everything), two bits per voxel, or two bits and one byte of
-/// distance per voxel. Every occupied voxel keeps its surface point. All lengths are in voxel edges, frame G.
-/// Queries read the compressed form; immutable, so thread-safe.
+/// Frozen three-state grid with a surface point in every occupied voxel. Blocks of 16^3 voxels are made of cells of
+/// 4^3; a cell is one tag (all unknown, all free), or two bits per voxel. Nothing else is kept: near surfaces the
+/// distances follow from the surface points (distance_block.hpp), so that keeping them too would only cost memory.
+/// Fields whose distances were measured (projective filling) keep one byte per voxel of the cells near surfaces.
+/// All lengths are in voxel edges, frame G. Queries read the compressed form; immutable, so thread-safe.
 class CompressedField {
  public:
   struct Leaf {
@@ -30,14 +32,20 @@ class CompressedField {
   enum class Target { kSurfacePoint, kVoxelCube };
 
   CompressedField() = default;
-  /// @param blocks sorted by index
-  /// @param band   distances above it are dropped (they are searched on demand)
+  /// What a local map handed over; distances are derived. O(blocks + leaves).
+  /// @throws std::invalid_argument when leaves and states of the content do not match
+  CompressedField(const occupancy::MapContent& content, double band);
+  /// With measured distances. @param blocks sorted by index  @param band distances above it are dropped
   CompressedField(const std::vector<FilledBlock>& blocks, double band);
 
   containers::State state(const geometry::Index3& voxel) const;
-  /// Stored distances at the 2^3 voxels from `lower` on, x fastest; false when one of them has none.
-  bool corners(const geometry::Index3& lower, std::array<float, 8>* values) const;
-  /// Distance stored at one voxel.
+  /// Voxel of the block at a position (position_of).
+  containers::State state(int position, int offset) const {
+    return state_in_block(blocks_[static_cast<std::size_t>(position)], offset);
+  }
+  /// Whether distances are kept rather than derived.
+  bool has_values() const { return has_values_; }
+  /// Distance kept for one voxel.
   std::optional<float> value(const geometry::Index3& voxel) const;
   /// Nearest occupied thing within `max_distance` of p, exact. O(blocks within reach).
   std::optional<Nearest> nearest(const geometry::Vec3& p, double max_distance, Target target) const;
@@ -49,9 +57,15 @@ class CompressedField {
   template <class F>
   void for_each_leaf_in(const geometry::Index3& index, F&& f) const;
 
-  /// Calls f(voxel) for every voxel of a cell with stored distances.
+  /// Calls f(cell, states, leaves) for every cell of a block that is not all unknown; states: two bits per voxel,
+  /// leaves: of its occupied voxels in order, null when there is none.
   template <class F>
-  void for_each_value(F&& f) const;
+  void for_each_cell(int position, F&& f) const;
+  /// Whether a block has surface points or measured distances.
+  bool has_surface(int position) const {
+    const Block& block = blocks_[static_cast<std::size_t>(position)];
+    return block.occupied_cells != 0 || (has_values_ && block.num_near > 0);
+  }
 
   /// Looks states up, remembering the last block: for walks through neighbouring voxels.
   class Reader {
@@ -97,37 +111,39 @@ class CompressedField {
   static constexpr std::int8_t kNoValue = -128;
 
   using CellStates = std::array<std::uint64_t, 2>;
-  struct NearCell {
-    CellStates states;
-    std::array<std::int8_t, kCells> values;
-    std::uint32_t first_leaf;
-  };
+  using CellValues = std::array<std::int8_t, kCells>;
   struct Block {
     geometry::Index3 index;
     std::array<std::uint8_t, kCells> codes{};
     std::uint32_t first_states = 0;
     std::uint32_t first_near = 0;
     std::uint64_t occupied_cells = 0;
+    std::uint8_t num_near = 0;
   };
 
   template <class F>
   void for_each_leaf_of(const Block& block, F&& f) const;
   containers::State state_in_block(const Block& block, int offset) const;
+  Block new_block(const geometry::Index3& index) const;
+  void add_block(const occupancy::ContentBlock& content);
   void add_block(const FilledBlock& filled);
-  void add_cell(const FilledBlock& filled, int cell, Block* block);
-  void add_leaves(const FilledBlock& filled, int cell);
+  void add_cell(int cell, const CellStates& states, const CellValues* values, Block* block);
+  void shrink();
   void link();
   const Block* find(const geometry::Index3& index) const;
-  std::int8_t code_at(const Block& block, int offset) const;
   void search_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void place_records(const base::ByteReader& in);
+  CellStates cell_states(const Block& block, int cell) const;
   void check(const base::ByteReader& in) const;
   static int count_occupied(const CellStates& states);
 
   double band_ = 3.0;
+  bool has_values_ = false;
   std::vector<Block> blocks_;
   std::vector<CellStates> states_;
-  std::vector<NearCell> near_;
+  std::vector<CellStates> near_;           ///< cells with surface points or measured distances
+  std::vector<std::uint32_t> first_leaf_;  ///< of each of them
+  std::vector<CellValues> values_;         ///< of each of them, where distances were measured
   std::vector<Leaf> leaves_;
   std::vector<std::int32_t> table_;  ///< open addressing: position in blocks_ or -1
 };
@@ -142,10 +158,10 @@ template <class F>
 void CompressedField::for_each_leaf_of(const Block& block, F&& f) const {
   for (std::uint64_t cells = block.occupied_cells; cells != 0; cells &= cells - 1) {
     const int cell = __builtin_ctzll(cells);
-    const NearCell& near = near_[block.first_near + block.codes[cell] - kFirstNear];
-    std::uint32_t leaf = near.first_leaf;
+    const std::size_t near = block.first_near + block.codes[cell] - kFirstNear;
+    std::uint32_t leaf = first_leaf_[near];
     for (int word = 0; word < 2; ++word) {
-      for (std::uint64_t occupied = near.states[word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0;
+      for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0;
            occupied &= occupied - 1) {
         const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
         f(geometry::voxel_at(block.index, offset_of(cell, voxel)), leaves_[leaf++]);
@@ -166,12 +182,14 @@ void CompressedField::for_each_leaf_in(const geometry::Index3& index, F&& f) con
 }
 
 template <class F>
-void CompressedField::for_each_value(F&& f) const {
-  for (const Block& block : blocks_) {
-    for (int cell = 0; cell < kCells; ++cell) {
-      if (block.codes[cell] < kFirstNear) continue;
-      for (int voxel = 0; voxel < kCells; ++voxel) f(geometry::voxel_at(block.index, offset_of(cell, voxel)));
-    }
+void CompressedField::for_each_cell(int position, F&& f) const {
+  const Block& block = blocks_[static_cast<std::size_t>(position)];
+  for (int cell = 0; cell < kCells; ++cell) {
+    const std::uint8_t code = block.codes[cell];
+    if (code == kAllUnknown) continue;
+    const bool has_leaves = (block.occupied_cells >> cell) & 1;
+    f(cell, cell_states(block, cell),
+      has_leaves ? &leaves_[first_leaf_[block.first_near + code - kFirstNear]] : static_cast<const Leaf*>(nullptr));
   }
 }
 

@@ -19,7 +19,7 @@ struct EvidenceLeaf {
 };
 
 /// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
-/// each block of W costs no more than what it holds. The submap must outlive it. O(leaves + known blocks).
+/// each block of W costs no more than what it holds. O(leaves + known blocks).
 class PlacedSubmap {
  public:
   PlacedSubmap(const Submap& submap, std::uint32_t id, const geometry::Pose& T_W_S, double resolution_m);
@@ -49,7 +49,8 @@ class PlacedSubmap {
   void add_free_level(const geometry::Index3& block, Columns* free) const;
   void add_free_tilted(const geometry::Index3& block, Columns* free) const;
 
-  const Submap* submap_;
+  std::shared_ptr<const CompressedField> field_;
+  double submap_resolution_m_;
   double resolution_m_;
   geometry::Pose T_W_G_;
   geometry::Pose T_G_W_;

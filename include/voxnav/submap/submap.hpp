@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "voxnav/geometry/distance_field.hpp"
 #include "voxnav/occupancy/map_content.hpp"
-#include "voxnav/submap/compressed_field.hpp"
+#include "voxnav/submap/distance_cache.hpp"
 #include "voxnav/submap/submap_config.hpp"
 
 namespace voxnav::submap {
@@ -21,18 +23,25 @@ class Submap final : public geometry::DistanceField {
   /// @throws std::invalid_argument on inconsistent content, base::ConfigError on a bad configuration
   static std::shared_ptr<Submap> from_content(const occupancy::MapContent& content, const geometry::Pose& T_S_G,
                                               const SubmapConfig& config);
-  /// From blocks that some filling made; sorted by index.
+  /// From blocks that projective filling made; sorted by index.
   Submap(const std::vector<FilledBlock>& blocks, double resolution_m, const geometry::Pose& T_S_G,
          const SubmapConfig& config);
+
+  ~Submap() override;
+  Submap(const Submap&) = delete;
+  Submap& operator=(const Submap&) = delete;
 
   /// A point is observed when the voxel it lies in is known. Where all eight voxels around it have stored distances
   /// (near surfaces) they are interpolated trilinearly and the gradient is that of the interpolation; elsewhere the
   /// nearest surface point is searched, exactly, up to max_distance_m. Certified submaps return the exact distance to
   /// the nearest occupied voxel as a cube (at most 0 inside one), which nothing occupied can be nearer than.
-  /// @complexity near surfaces O(1), else O(blocks within reach)
+  /// Distances near surfaces are derived block by block when they are first asked for, and cached within a limit.
+  /// @complexity near surfaces O(1) while their block is cached, else O(blocks within reach)
+  /// @throws std::runtime_error when the submap was moved to disk and cannot be read back
   bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
-  const std::vector<geometry::SurfacePoint>& surface_points() const override { return surface_points_; }
-  geometry::Aabb surface_bounds() const override { return surface_bounds_; }
+  /// Derived when first asked for.
+  const std::vector<geometry::SurfacePoint>& surface_points() const override { return surface().points; }
+  geometry::Aabb surface_bounds() const override { return surface().bounds; }
   double resolution_m() const override { return resolution_m_; }
 
   containers::State state(const geometry::Vec3& p_S) const;
@@ -40,10 +49,21 @@ class Submap final : public geometry::DistanceField {
   std::vector<geometry::Vec3f> occupied_points() const;
   /// Box around everything known, frame S.
   geometry::Aabb known_bounds() const { return known_bounds_; }
-  const CompressedField& field() const { return field_; }
+  /// What it is made of; read back from disk when it was moved there. Hold it while it is used.
+  std::shared_ptr<const CompressedField> field() const;
+  /// Distances of the block at a position of the field.
+  std::shared_ptr<const DistanceBlock> distances(const CompressedField& field, int position) const {
+    return cache_->get(field, position);
+  }
   const geometry::Pose& T_S_G() const { return T_S_G_; }
   const SubmapConfig& config() const { return config_; }
+  /// What it holds in memory itself; cached distances are counted by DistanceCache.
   std::size_t memory_bytes() const;
+
+  /// Leaves the content to a file, which belongs to the submap from then on and is removed with it. Answers stay the
+  /// same. @throws std::runtime_error when it cannot be written (the content then stays in memory)
+  void page_out(const std::string& path) const;
+  bool is_resident() const { return std::atomic_load(&field_) != nullptr; }
 
   /// Versioned little-endian form with a checksum.
   std::string to_bytes() const;
@@ -52,20 +72,30 @@ class Submap final : public geometry::DistanceField {
 
  private:
   Submap() = default;
-  void update_bounds();
-  bool sample_near(const geometry::Vec3& p, double* distance, geometry::Vec3* gradient) const;
-  void sample_far(const geometry::Vec3& p, CompressedField::Target target, double* distance,
-                  geometry::Vec3* gradient) const;
-  void sample_certified(const geometry::Vec3& p, double* distance, geometry::Vec3* gradient) const;
+  struct Surface {
+    std::vector<geometry::SurfacePoint> points;
+    geometry::Aabb bounds;
+  };
+  void take_field(CompressedField field);
+  const Surface& surface() const;
+  static void update_bounds(Surface* surface);
+  bool sample_near(const CompressedField& field, int position, const geometry::Vec3& p, double* distance,
+                   geometry::Vec3* gradient) const;
+  void sample_far(const CompressedField& field, const geometry::Vec3& p, CompressedField::Target target,
+                  double* distance, geometry::Vec3* gradient) const;
+  void sample_certified(const CompressedField& field, int position, const geometry::Vec3& p, double* distance,
+                        geometry::Vec3* gradient) const;
 
   double resolution_m_ = 0.0;
   SubmapConfig config_;
   geometry::Pose T_S_G_ = geometry::Pose::Identity();
   geometry::Pose T_G_S_ = geometry::Pose::Identity();
-  CompressedField field_;
-  std::vector<geometry::SurfacePoint> surface_points_;
-  geometry::Aabb surface_bounds_;
   geometry::Aabb known_bounds_;
+  std::unique_ptr<DistanceCache> cache_;
+  mutable std::shared_ptr<const CompressedField> field_;  ///< accessed atomically; null = on disk
+  mutable std::mutex mutex_;                              ///< of what follows
+  mutable std::unique_ptr<Surface> surface_;              ///< set once
+  mutable std::string page_path_;                         ///< empty = never moved to disk
 };
 
 }  // namespace voxnav::submap

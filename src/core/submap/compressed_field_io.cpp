@@ -15,10 +15,9 @@ void CompressedField::write(base::ByteWriter* out) const {
   out->put<std::uint64_t>(states_.size());
   out->put_raw(states_.data(), states_.size() * sizeof(CellStates));
   out->put<std::uint64_t>(near_.size());
-  for (const NearCell& near : near_) {
-    out->put(near.states);
-    out->put(near.values);
-  }
+  out->put_raw(near_.data(), near_.size() * sizeof(CellStates));
+  out->put<std::uint8_t>(has_values_);
+  out->put_raw(values_.data(), values_.size() * sizeof(CellValues));
   out->put<std::uint64_t>(leaves_.size());
   out->put_raw(leaves_.data(), leaves_.size() * sizeof(Leaf));
 }
@@ -56,10 +55,15 @@ CompressedField CompressedField::read(base::ByteReader* in) {
   }
   field.states_.resize(in->get_count(sizeof(CellStates)));
   in->get_raw(field.states_.data(), field.states_.size() * sizeof(CellStates));
-  field.near_.resize(in->get_count(sizeof(CellStates) + kCells));
-  for (NearCell& near : field.near_) {
-    near.states = in->get<CellStates>();
-    in->get_raw(near.values.data(), near.values.size());
+  field.near_.resize(in->get_count(sizeof(CellStates)));
+  in->get_raw(field.near_.data(), field.near_.size() * sizeof(CellStates));
+  const auto has_values = in->get<std::uint8_t>();
+  if (has_values > 1) in->fail("does not say whether it holds distances");
+  field.has_values_ = has_values == 1;
+  if (field.has_values_) {
+    if (field.near_.size() > in->remaining() / sizeof(CellValues)) in->fail("ends before its distances");
+    field.values_.resize(field.near_.size());
+    in->get_raw(field.values_.data(), field.values_.size() * sizeof(CellValues));
   }
   field.leaves_.resize(in->get_count(sizeof(Leaf)));
   in->get_raw(field.leaves_.data(), field.leaves_.size() * sizeof(Leaf));
@@ -75,11 +79,11 @@ void CompressedField::check(const base::ByteReader& in) const {
   for (const CellStates& states : states_) {
     if (((states[0] | states[1]) & 0xAAAAAAAAAAAAAAAAull) != 0) in.fail("has an occupied voxel without surface");
   }
-  for (const NearCell& near : near_) {
-    for (const std::uint64_t word : near.states) {
+  for (const CellStates& near : near_) {
+    for (const std::uint64_t word : near) {
       if (word & (word >> 1) & 0x5555555555555555ull) in.fail("holds a voxel state that does not exist");
     }
-    num_occupied += static_cast<std::size_t>(count_occupied(near.states));
+    num_occupied += static_cast<std::size_t>(count_occupied(near));
   }
   if (num_occupied != leaves_.size()) in.fail("has leaves that do not match its states");
   for (std::size_t i = 0; i < blocks_.size(); ++i) {

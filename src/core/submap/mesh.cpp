@@ -123,11 +123,16 @@ void Mesh::append(const Mesh& other, const geometry::Pose& T_A_B, const Color& c
 Mesh extract_mesh(const Submap& submap, std::size_t max_triangles) {
   Mesh mesh;
   Extractor extractor(submap, &mesh);
+  const auto field = submap.field();
   std::array<float, 8> values;
-  submap.field().for_each_value([&](const Index3& voxel) {
-    if (mesh.triangles.size() < max_triangles && submap.field().corners(voxel, &values))
-      extractor.add_cube(voxel, values);
-  });
+  for (std::size_t i = 0; i < field->num_blocks() && mesh.triangles.size() < max_triangles; ++i) {
+    const auto distances = submap.distances(*field, static_cast<int>(i));
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const Index3 local = geometry::voxel_at({0, 0, 0}, offset);
+      if (mesh.triangles.size() < max_triangles && distances->corners(local.x, local.y, local.z, &values))
+        extractor.add_cube(geometry::voxel_at(field->block_index(i), offset), values);
+    }
+  }
   return mesh;
 }
 

@@ -28,14 +28,14 @@ bool turns_about_vertical(const Pose& T) {
 }  // namespace
 
 PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m)
-    : submap_(&submap),
+    : field_(submap.field()),
+      submap_resolution_m_(submap.resolution_m()),
       resolution_m_(resolution_m),
       T_W_G_(T_W_S * submap.T_S_G()),
       T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
       is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
-  const CompressedField& field = submap.field();
-  states_.resize(field.num_blocks());
-  for (std::size_t i = 0; i < states_.size(); ++i) states_[i] = field.columns(i);
+  states_.resize(field_->num_blocks());
+  for (std::size_t i = 0; i < states_.size(); ++i) states_[i] = field_->columns(i);
   sort_leaves(id);
 }
 
@@ -45,12 +45,12 @@ void PlacedSubmap::sort_leaves(std::uint32_t id) {
     EvidenceLeaf leaf;
   };
   std::vector<Placed> placed;
-  placed.reserve(submap_->field().num_leaves());
-  const Eigen::Matrix3d R = T_W_G_.linear() * (submap_->resolution_m() / resolution_m_);
+  placed.reserve(field_->num_leaves());
+  const Eigen::Matrix3d R = T_W_G_.linear() * (submap_resolution_m_ / resolution_m_);
   const Vec3 t = T_W_G_.translation() / resolution_m_;
   Index3 last{1 << 30, 0, 0};
   Group* group = nullptr;
-  submap_->field().for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
+  field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
     const Vec3 p = R * surface_point(voxel, leaf) + t;
     const Index3 at = floor_index(p);
     const Index3 block = geometry::block_of(at);
@@ -79,7 +79,7 @@ PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
 }
 
 const ColumnBlock* PlacedSubmap::states_of(const Index3& block_G) const {
-  const int position = submap_->field().position_of(block_G);
+  const int position = field_->position_of(block_G);
   return position < 0 ? nullptr : &states_[static_cast<std::size_t>(position)];
 }
 
@@ -116,10 +116,10 @@ void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
 }
 
 void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
-  const double v_G = submap_->resolution_m();
+  const double v_G = submap_resolution_m_;
   const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
   const Eigen::Matrix3d step = T_G_W_.linear() * (resolution_m_ / v_G);
-  CompressedField::Reader reader(submap_->field());
+  CompressedField::Reader reader(*field_);
   for (int column = 0; column < kBlockSide * kBlockSide; ++column) {
     Vec3 p = first + step * Vec3(column & 15, column >> 4, 0);
     for (int z = 0; z < kBlockSide; ++z, p += step.col(2)) {
@@ -154,13 +154,13 @@ bool PlacedSubmap::has_occupied_around(const Index3& voxel, int reach) const {
 }
 
 bool PlacedSubmap::clears(const Vec3& p_W, double distance_m) const {
-  const Vec3 p = T_G_W_ * p_W / submap_->resolution_m();
+  const Vec3 p = T_G_W_ * p_W / submap_resolution_m_;
   const Index3 voxel = floor_index(p);
   const ColumnBlock* block = states_of(geometry::block_of(voxel));
   if (!block || block->get(geometry::offset_in_block(voxel)) != State::kFree) return false;
-  const double distance = distance_m / submap_->resolution_m();
+  const double distance = distance_m / submap_resolution_m_;
   if (!has_occupied_around(voxel, static_cast<int>(std::ceil(distance)))) return true;
-  return !submap_->field().nearest(p, distance, CompressedField::Target::kSurfacePoint);
+  return !field_->nearest(p, distance, CompressedField::Target::kSurfacePoint);
 }
 
 std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m) {
@@ -168,8 +168,9 @@ std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double re
   const double side_G = kBlockSide * submap.resolution_m();
   const double side_W = kBlockSide * resolution_m;
   std::vector<Index3> out;
-  for (std::size_t i = 0; i < submap.field().num_blocks(); ++i) {
-    const Index3& block = submap.field().block_index(i);
+  const auto field = submap.field();
+  for (std::size_t i = 0; i < field->num_blocks(); ++i) {
+    const Index3& block = field->block_index(i);
     const geometry::Aabb box_G{Vec3(block.x, block.y, block.z) * side_G,
                                Vec3(block.x + 1, block.y + 1, block.z + 1) * side_G};
     const geometry::Aabb box = box_G.transformed(T_W_G);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "voxnav/submap/occupancy_filling.hpp"
 #include "voxnav/submap/surface_sampling.hpp"
 #include "voxnav/submap/voxel_walk.hpp"
 
@@ -42,12 +41,25 @@ Trilinear interpolate(const std::array<float, 8>& c, const Vec3& t) {
   return out;
 }
 
+void check_frame(double resolution_m, const geometry::Pose& T_S_G) {
+  if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
+    throw std::invalid_argument("resolution_m must be positive");
+  if (!geometry::is_valid(T_S_G)) throw std::invalid_argument("T_S_G must be a finite rigid transform");
+}
+
 }  // namespace
 
 std::shared_ptr<Submap> Submap::from_content(const occupancy::MapContent& content, const geometry::Pose& T_S_G,
                                              const SubmapConfig& config) {
   base::checked(config);
-  return std::make_shared<Submap>(fill_from_occupancy(content, config), content.resolution_m, T_S_G, config);
+  check_frame(content.resolution_m, T_S_G);
+  std::shared_ptr<Submap> out(new Submap());
+  out->resolution_m_ = content.resolution_m;
+  out->config_ = config;
+  out->T_S_G_ = T_S_G;
+  out->T_G_S_ = T_S_G.inverse(Eigen::Isometry);
+  out->take_field(CompressedField(content, config.band_voxels));
+  return out;
 }
 
 Submap::Submap(const std::vector<FilledBlock>& blocks, double resolution_m, const geometry::Pose& T_S_G,
@@ -56,37 +68,57 @@ Submap::Submap(const std::vector<FilledBlock>& blocks, double resolution_m, cons
       config_(base::checked(config)),
       T_S_G_(T_S_G),
       T_G_S_(T_S_G.inverse(Eigen::Isometry)),
-      field_(blocks, config.band_voxels),
-      surface_points_(sample_surface(blocks, resolution_m, T_S_G, config.max_surface_points)) {
-  if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
-    throw std::invalid_argument("resolution_m must be positive");
-  if (!geometry::is_valid(T_S_G)) throw std::invalid_argument("T_S_G must be a finite rigid transform");
-  update_bounds();
+      surface_(std::make_unique<Surface>()) {
+  check_frame(resolution_m, T_S_G);
+  take_field(CompressedField(blocks, config.band_voxels));
+  surface_->points = sample_surface(blocks, resolution_m, T_S_G, config.max_surface_points);
+  update_bounds(surface_.get());
 }
 
-void Submap::update_bounds() {
-  for (const geometry::SurfacePoint& point : surface_points_) surface_bounds_.extend(point.position.cast<double>());
+void Submap::take_field(CompressedField field) {
   geometry::Aabb known_G;
   const double side_m = geometry::kBlockSide * resolution_m_;
-  for (std::size_t i = 0; i < field_.num_blocks(); ++i) {
-    const Index3& b = field_.block_index(i);
+  for (std::size_t i = 0; i < field.num_blocks(); ++i) {
+    const Index3& b = field.block_index(i);
     known_G.extend(Vec3(b.x, b.y, b.z) * side_m);
     known_G.extend(Vec3(b.x + 1, b.y + 1, b.z + 1) * side_m);
   }
   known_bounds_ = known_G.transformed(T_S_G_);
+  cache_ = std::make_unique<DistanceCache>(field.num_blocks());
+  field_ = std::make_shared<const CompressedField>(std::move(field));
+}
+
+void Submap::update_bounds(Surface* surface) {
+  for (const geometry::SurfacePoint& point : surface->points) surface->bounds.extend(point.position.cast<double>());
+}
+
+const Submap::Surface& Submap::surface() const {
+  const auto content = field();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!surface_) {
+    auto made = std::make_unique<Surface>();
+    made->points = sample_surface(*content, resolution_m_, T_S_G_, config_.max_surface_points);
+    update_bounds(made.get());
+    surface_ = std::move(made);
+  }
+  return *surface_;
 }
 
 bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return false;
-  const State state = field_.state(floor_index(p));
+  const auto content = field();
+  const Index3 voxel = floor_index(p);
+  const int position = content->position_of(geometry::block_of(voxel));
+  if (position < 0) return false;
+  const State state = content->state(position, geometry::offset_in_block(voxel));
   if (state == State::kUnknown) return false;
   double distance = 0.0;
   Vec3 slope = Vec3::Zero();
   if (config_.certified) {
-    sample_certified(p, &distance, &slope);
-  } else if (!sample_near(p, &distance, &slope)) {
-    sample_far(p, CompressedField::Target::kSurfacePoint, &distance, &slope);
+    sample_certified(*content, position, p, &distance, &slope);
+  } else if (!sample_near(*content, position, p, &distance, &slope)) {
+    sample_far(*content, p, CompressedField::Target::kSurfacePoint, &distance, &slope);
     if (state == State::kOccupied) {
       // Only where a projective submap ends right at the surface: the sign is that of the voxel.
       distance = -distance;
@@ -98,49 +130,56 @@ bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
   return true;
 }
 
-bool Submap::sample_near(const Vec3& p, double* distance, Vec3* gradient) const {
+bool Submap::sample_near(const CompressedField& content, int position, const Vec3& p, double* distance,
+                         Vec3* gradient) const {
   const Vec3 from_centers = p - Vec3::Constant(0.5);
   const Index3 lower = floor_index(from_centers);
+  const Index3 local = lower - geometry::voxel_at(content.block_index(static_cast<std::size_t>(position)), 0);
   std::array<float, 8> corners;
-  if (!field_.corners(lower, &corners)) return false;
+  if (!cache_->get(content, position)->corners(local.x, local.y, local.z, &corners)) return false;
   const Trilinear mixed = interpolate(corners, from_centers - Vec3(lower.x, lower.y, lower.z));
   *distance = mixed.value;
   *gradient = mixed.gradient;
   return true;
 }
 
-void Submap::sample_far(const Vec3& p, CompressedField::Target target, double* distance, Vec3* gradient) const {
+void Submap::sample_far(const CompressedField& content, const Vec3& p, CompressedField::Target target, double* distance,
+                        Vec3* gradient) const {
   const double limit = config_.max_distance_m / resolution_m_;
-  const auto nearest = field_.nearest(p, limit, target);
+  const auto nearest = content.nearest(p, limit, target);
   *distance = nearest ? std::sqrt(nearest->squared) : limit;
   *gradient = nearest && *distance > 0.0 ? Vec3((p - nearest->point) / *distance) : Vec3::Zero();
 }
 
-void Submap::sample_certified(const Vec3& p, double* distance, Vec3* gradient) const {
-  sample_far(p, CompressedField::Target::kVoxelCube, distance, gradient);
+void Submap::sample_certified(const CompressedField& content, int position, const Vec3& p, double* distance,
+                              Vec3* gradient) const {
+  sample_far(content, p, CompressedField::Target::kVoxelCube, distance, gradient);
   if (*distance > 0.0) return;
   double inside = 0.0;
-  if (sample_near(p, &inside, gradient)) *distance = std::min(inside, 0.0);
+  if (sample_near(content, position, p, &inside, gradient)) *distance = std::min(inside, 0.0);
 }
 
 State Submap::state(const Vec3& p_S) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return State::kUnknown;
-  return field_.state(floor_index(p));
+  return field()->state(floor_index(p));
 }
 
 std::vector<geometry::Vec3f> Submap::occupied_points() const {
+  const auto content = field();
   std::vector<geometry::Vec3f> out;
-  out.reserve(field_.num_leaves());
-  field_.for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
+  out.reserve(content->num_leaves());
+  content->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
     out.push_back((T_S_G_ * (surface_point(voxel, leaf) * resolution_m_)).cast<float>());
   });
   return out;
 }
 
 std::size_t Submap::memory_bytes() const {
-  return sizeof(*this) - sizeof(field_) + field_.memory_bytes() +
-         surface_points_.capacity() * sizeof(geometry::SurfacePoint);
+  const auto content = std::atomic_load(&field_);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::size_t surface = surface_ ? surface_->points.capacity() * sizeof(geometry::SurfacePoint) : 0;
+  return sizeof(*this) + (content ? content->memory_bytes() : 0) + surface;
 }
 
 }  // namespace voxnav::submap

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
 
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap.hpp"
@@ -8,7 +12,7 @@ namespace voxnav::submap {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4D535856;  // "VXSM"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 }  // namespace
 
@@ -22,9 +26,13 @@ std::string Submap::to_bytes() const {
   out.put<std::int32_t>(config_.max_surface_points);
   out.put<std::uint8_t>(config_.certified);
   out.put_raw(T_S_G_.matrix().data(), 16 * sizeof(double));
-  field_.write(&out);
-  out.put<std::uint64_t>(surface_points_.size());
-  for (const geometry::SurfacePoint& point : surface_points_) {
+  const auto content = field();
+  content->write(&out);
+  // Surface points follow from the field, unless their normals were measured.
+  static const std::vector<geometry::SurfacePoint> none;
+  const std::vector<geometry::SurfacePoint>& points = content->has_values() ? surface_points() : none;
+  out.put<std::uint64_t>(points.size());
+  for (const geometry::SurfacePoint& point : points) {
     out.put_raw(point.position.data(), 3 * sizeof(float));
     out.put_raw(point.normal.data(), 3 * sizeof(float));
     out.put(point.weight);
@@ -48,9 +56,10 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   const Eigen::RowVector4d last_row(0, 0, 0, 1);
   if (!geometry::is_valid(out->T_S_G_) || out->T_S_G_.matrix().row(3) != last_row) in.fail("has no valid transform");
   out->T_G_S_ = out->T_S_G_.inverse(Eigen::Isometry);
-  out->field_ = CompressedField::read(&in);
-  out->surface_points_.resize(in.get_count(7 * sizeof(float)));
-  for (geometry::SurfacePoint& point : out->surface_points_) {
+  CompressedField field = CompressedField::read(&in);
+  auto surface = std::make_unique<Surface>();
+  surface->points.resize(in.get_count(7 * sizeof(float)));
+  for (geometry::SurfacePoint& point : surface->points) {
     in.get_raw(point.position.data(), 3 * sizeof(float));
     in.get_raw(point.normal.data(), 3 * sizeof(float));
     point.weight = in.get<float>();
@@ -58,8 +67,47 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
     if (!is_finite || !(point.weight > 0.f)) in.fail("has a surface point that is no point");
   }
   if (in.remaining() != 0) in.fail("has bytes after its end");
-  out->update_bounds();
+  if (!field.has_values() && !surface->points.empty()) in.fail("has surface points that should follow from its field");
+  if (field.has_values()) {
+    update_bounds(surface.get());
+    out->surface_ = std::move(surface);
+  }
+  out->take_field(std::move(field));
   return out;
+}
+
+void Submap::page_out(const std::string& path) const {
+  if (!is_resident()) return;
+  const std::string bytes = page_path_.empty() ? to_bytes() : std::string();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (page_path_.empty()) {
+    std::ofstream out(path, std::ios::binary | std::ios::trunc);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
+    page_path_ = path;
+  }
+  std::atomic_store(&field_, std::shared_ptr<const CompressedField>());
+}
+
+std::shared_ptr<const CompressedField> Submap::field() const {
+  auto content = std::atomic_load(&field_);
+  if (content) return content;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  content = std::atomic_load(&field_);
+  if (content) return content;
+  std::ifstream in(page_path_, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  try {
+    content = std::atomic_load(&from_bytes(bytes)->field_);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(page_path_ + ": cannot be read back: " + error.what());
+  }
+  std::atomic_store(&field_, content);
+  return content;
+}
+
+Submap::~Submap() {
+  if (!page_path_.empty()) std::remove(page_path_.c_str());
 }
 
 }  // namespace voxnav::submap
