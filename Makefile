@@ -7,6 +7,11 @@ export CCACHE_DIR ?= $(HOME)/.cache/ccache
 export CCACHE_BASEDIR := $(CURDIR)
 export CCACHE_NOHASHDIR := 1
 
+# Where a binary ROS keeps what Debian has below /usr (octomap).
+ifneq ($(wildcard /opt/ros/noetic),)
+export CMAKE_PREFIX_PATH := /opt/ros/noetic:$(CMAKE_PREFIX_PATH)
+endif
+
 WS := build/ws
 JOBS ?= 2
 SEED ?= 1

@@ -1,5 +1,11 @@
-# Python first: pybind11 and catkin must agree with it on the interpreter.
+# Python first: pybind11 and catkin (which say PYTHON_EXECUTABLE) must agree with it on the interpreter.
+if(PYTHON_EXECUTABLE AND NOT Python3_EXECUTABLE)
+  set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
+endif()
 find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
+if(NOT PYTHON_EXECUTABLE)
+  set(PYTHON_EXECUTABLE ${Python3_EXECUTABLE} CACHE FILEPATH "Python interpreter of pybind11 and catkin")
+endif()
 find_package(pybind11 REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(Ceres REQUIRED)

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "pybind.hpp"
 #include "voxnav/geometry/pose.hpp"
 
 /// Strict numpy arguments: a wrong dtype, shape or layout raises ValueError naming argument, what it is
@@ -43,16 +44,20 @@ py::array_t<double> pose_array(const geometry::Pose& pose);
 /// (3,) of numbers.
 geometry::Vec3 vec3_of(const py::object& object, const char* name);
 
-/// Hands a vector's memory to numpy without a copy; `columns` = 0 makes a flat array.
+/// Hands a vector's memory to numpy without a copy, C-contiguous in `shape`, whose product is the vector's size.
 template <class T>
-py::array_t<T> array_from(std::vector<T>&& values, py::ssize_t columns) {
+py::array_t<T> array_from(std::vector<T>&& values, const std::vector<py::ssize_t>& shape) {
   auto* owned = new std::vector<T>(std::move(values));
   py::capsule free_when_done(owned, [](void* p) { delete static_cast<std::vector<T>*>(p); });
-  const auto size = static_cast<py::ssize_t>(owned->size());
-  if (columns == 0) return py::array_t<T>({size}, {static_cast<py::ssize_t>(sizeof(T))}, owned->data(), free_when_done);
-  return py::array_t<T>({size / columns, columns},
-                        {static_cast<py::ssize_t>(sizeof(T)) * columns, static_cast<py::ssize_t>(sizeof(T))},
-                        owned->data(), free_when_done);
+  return py::array_t<T>(shape, owned->data(), free_when_done);
+}
+
+/// The same with rows of `columns` numbers; `columns` = 0 makes a flat array.
+template <class T>
+py::array_t<T> array_from(std::vector<T>&& values, py::ssize_t columns) {
+  const auto size = static_cast<py::ssize_t>(values.size());
+  if (columns == 0) return array_from(std::move(values), std::vector<py::ssize_t>{size});
+  return array_from(std::move(values), std::vector<py::ssize_t>{size / columns, columns});
 }
 
 }  // namespace voxnav::bindings

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "pybind.hpp"
 #include "voxnav/base/config.hpp"
 
 namespace voxnav::bindings {

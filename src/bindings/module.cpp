@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/pybind11.h>
 
 #include "floors.hpp"
+#include "pybind.hpp"
 #include "voxnav/base/config.hpp"
 
 PYBIND11_MODULE(_core, m) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "pybind.hpp"
 #include "simulation_uav.hpp"
 #include "voxnav_simulation/lidar_model.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
@@ -124,9 +124,9 @@ py::dict scan_arrays(LidarScan&& scan) {
   for (const auto& p : scan.points) points.insert(points.end(), p.begin(), p.end());
   py::dict out;
   const std::vector<py::ssize_t> shape{scan.rows, scan.columns};
-  out["points"] = array_from(std::move(points), 4).reshape({scan.rows, scan.columns, 4});
-  out["ranges_m"] = array_from(std::move(scan.ranges_m), 0).reshape({scan.rows, scan.columns});
-  out["labels"] = array_from(std::move(scan.labels), 0).reshape({scan.rows, scan.columns});
+  out["points"] = array_from(std::move(points), {scan.rows, scan.columns, 4});
+  out["ranges_m"] = array_from(std::move(scan.ranges_m), shape);
+  out["labels"] = array_from(std::move(scan.labels), shape);
   out["column_times_ns"] = array_from(std::move(scan.column_times_ns), 0);
   return out;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pybind11/pybind11.h>
+#include "pybind.hpp"
 
 namespace voxnav::bindings {
 

@@ -53,7 +53,7 @@ class PointRows {
     if (next_ >= size_) throw py::value_error("points must hold one row per occupied voxel");
     const geometry::Vec3 p = Eigen::Map<const geometry::Vec3f>(rows_ + 3 * next_++).cast<double>();
     const geometry::Vec3 mean = (p - geometry::center_of(voxel, resolution_m_)) * (254.0 / resolution_m_);
-    if (!(mean.cwiseAbs().maxCoeff() <= 127.5)) throw py::value_error("a surface point lies outside its voxel");
+    if (!(mean.array().abs() <= 127.5f).all()) throw py::value_error("a surface point lies outside its voxel");
     std::array<std::int8_t, 3> out;
     for (int k = 0; k < 3; ++k)
       out[k] = static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, mean[k]))));

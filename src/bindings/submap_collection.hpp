@@ -2,10 +2,10 @@
 #pragma once
 
 #include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
 
 #include <vector>
 
+#include "pybind.hpp"
 #include "voxnav/submap/mesh.hpp"
 
 namespace voxnav::bindings {

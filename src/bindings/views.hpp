@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <pybind11/pybind11.h>
-
 #include <memory>
 
+#include "pybind.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::bindings {

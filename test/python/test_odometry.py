@@ -5,9 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import voxnav
+from voxnav.files import quaternion_from_rotation, rotation_from_quaternion
 
 DATA = os.environ.get("VOXNAV_DATA", os.path.join(os.path.dirname(__file__), "..", "..", "..", "shared", "data"))
 
@@ -25,14 +25,15 @@ def load_scan(folder, number):
 
 def to_matrix(position, q_xyzw):
     pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(q_xyzw).as_matrix()
+    pose[:3, :3] = rotation_from_quaternion(q_xyzw)
     pose[:3, 3] = position
     return pose
 
 
 def pose_error(estimate, truth):
     delta = np.linalg.inv(truth) @ estimate
-    return np.linalg.norm(delta[:3, 3]), np.degrees(np.linalg.norm(Rotation.from_matrix(delta[:3, :3]).as_rotvec()))
+    q_xyzw = np.asarray(quaternion_from_rotation(delta[:3, :3]))
+    return np.linalg.norm(delta[:3, 3]), np.degrees(2.0 * np.arctan2(np.linalg.norm(q_xyzw[:3]), abs(q_xyzw[3])))
 
 
 def sloam_poses():

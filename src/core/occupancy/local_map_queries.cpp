@@ -29,7 +29,8 @@ State state_of_badness(int badness) {
 
 void require_finite(const geometry::Vec3& a, const geometry::Vec3& b, double resolution_m) {
   const double limit = kMaxCells * resolution_m;
-  if (!(a.cwiseAbs().maxCoeff() < limit) || !(b.cwiseAbs().maxCoeff() < limit)) {
+  // Number by number: what maxCoeff() makes of a NaN differs between versions of Eigen.
+  if (!(a.array().abs() < limit).all() || !(b.array().abs() < limit).all()) {
     throw std::invalid_argument("query points must be finite and within the grid");
   }
 }
