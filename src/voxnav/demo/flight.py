@@ -27,6 +27,7 @@ def main(argv=None):
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
     record = FlightRecord(args.world, args.seed)
+    record.speed_factor = args.speed
     log = os.path.join(args.out, "roslaunch.log")
     started = time.monotonic()
     world = mission.simulated_world(args.world, args.seed)

@@ -8,12 +8,12 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 
-# The band of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
-_BAND_M = 1.2
+# The bands of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
+_SURFACE_BAND_M, _OBSTACLE_BAND_M = 1.2, 0.4
 
 
-def _near_level(points, level_m):
-    return points[np.abs(points[:, 2] - level_m) < _BAND_M] if len(points) else points
+def _near_level(points, level_m, band_m):
+    return points[np.abs(points[:, 2] - level_m) < band_m] if len(points) else points
 
 
 def _scatter_heights(figure, axes, points, size):
@@ -47,7 +47,8 @@ def top_view(path, record, trunks=None):
     level_m = _flight_level(record)
     obstacles, surface = record.obstacle_points, record.surface_points
     if level_m is not None:
-        obstacles, surface = _near_level(obstacles, level_m), _near_level(surface, level_m)
+        obstacles = _near_level(obstacles, level_m, _OBSTACLE_BAND_M)
+        surface = _near_level(surface, level_m, _SURFACE_BAND_M)
     if len(obstacles):
         axes.scatter(obstacles[:, 0], obstacles[:, 1], color="0.88", s=9.0, linewidths=0, rasterized=True,
                      label="too near to something", zorder=1)

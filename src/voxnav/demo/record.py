@@ -29,11 +29,12 @@ class FlightRecord:
         self.reached, self.reason = False, "the flight did not begin"
         self.goal = None
         self.min_clearance_m = None
-        self.real_time_factor = None
+        self.real_time_factor, self.speed_factor = None, 1.0  # measured, asked for
         self.truth_track, self.odometry_track = Track(), Track()
         self.optimised = (np.empty(0), np.empty((0, 3)))
         self.mission = None
         self.stages, self.rss_mb = {}, {}
+        self.dropped_in_flight = {}  # by stage
         self.obstacle_points = np.empty((0, 3))
         self.surface_points = np.empty((0, 3))  # of the global map
         self.plans = []

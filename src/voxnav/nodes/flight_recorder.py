@@ -35,6 +35,7 @@ class FlightRecorder:
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._obstacles = None
+        self._dropped_before = {}
         self.speed_mps = 0.0
         self.reasons = []  # of the planner, in order, each change once
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
@@ -137,6 +138,7 @@ class FlightRecorder:
         with self._lock:
             if self.record.mission is None:
                 self.record.mission = (self._newest_truth(), float("inf"))
+                self._dropped_before = self._dropped(self._nodes)
         response = rospy.ServiceProxy("planning_manager/reference", ReferenceStampedSrv)(request)
         if not response.success:
             raise MissionError("goal refused: " + response.message)
@@ -177,6 +179,10 @@ class FlightRecorder:
         except (MissionError, ValueError, RuntimeError, rospy.ROSException, rospy.ServiceException) as error:
             rospy.logwarn("the map was not saved: %s", error)
 
+    @staticmethod
+    def _dropped(nodes):
+        return {"%s/%s" % (node, stage.name): stage.dropped for node, msg in nodes.items() for stage in msg.stages}
+
     def finish(self):
         """Copy the newest diagnostics and clouds into the record."""
         with self._lock:
@@ -187,6 +193,9 @@ class FlightRecorder:
             pass  # what a silent node said before is the best there is
         with self._lock:
             nodes, obstacles = dict(nodes, **self._nodes), self._obstacles
+        for stage, count in self._dropped(nodes).items():
+            # Before the flight, scans may come before the first pose.
+            self.record.dropped_in_flight[stage] = max(0, count - self._dropped_before.get(stage, 0))
         for node, msg in nodes.items():
             self.record.rss_mb[node] = msg.rss_bytes / 1e6
             for stage in msg.stages:
