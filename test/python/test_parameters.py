@@ -37,7 +37,8 @@ def test_shipped_configurations_are_the_defaults(everything, node):
     tree = load(node)
     assert set(tree) == set(everything[node])
     for section, fields in everything[node].items():
-        assert list(tree[section]) == [f["name"] for f in fields], "%s/%s: same fields in the same order" % (node, section)
+        names = [field["name"] for field in fields]
+        assert list(tree[section]) == names, "%s/%s: same fields in the same order" % (node, section)
         for field in fields:
             assert tree[section][field["name"]] == field["default"], "%s/%s/%s" % (node, section, field["name"])
 
