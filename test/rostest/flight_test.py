@@ -78,7 +78,7 @@ class FlightTest(unittest.TestCase):
         self.recorder.wait_for_nodes(LIMIT_S)
         self.recorder.take_off(LIMIT_S)
         self.recorder.send_goal(FRAME, mission.goal_of(mission.simulated_world(WORLD, SEED)))
-        for victim in ("cloud_filter", "local_mapper", "submap_integrator"):
+        for victim in ("cloud_filter", "local_mapper", "submap_integrator", "lidar_simulator"):
             self.kill_in_flight(victim)
         self.arrive()
         self.recorder.send_goal(FRAME, (0.0, 0.0, 2.0))
