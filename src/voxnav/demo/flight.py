@@ -36,6 +36,7 @@ def main(argv=None):
                    "custom_config": os.path.abspath(args.config) if args.config else ""}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     rviz = None
+    processes.end_cleanly_when_terminated()
     launched, env = processes.launch("simulation.launch", launch_args, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")

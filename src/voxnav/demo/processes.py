@@ -49,6 +49,13 @@ class Process:
         self.stop()
 
 
+def end_cleanly_when_terminated():
+    """SIGTERM ends the program like Ctrl-C does, so that what it started is stopped too."""
+    def end(number, _):
+        raise SystemExit(128 + number)
+    signal.signal(signal.SIGTERM, end)
+
+
 def launch(launch_file, arguments, log_path):
     """roslaunch on a private master. Returns (process, environment for further nodes)."""
     port = free_port()

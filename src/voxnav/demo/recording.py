@@ -61,6 +61,7 @@ def main(argv=None):
     print("demo_real: %s through the nodes, poses from %s; logs in %s" % (
         args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
     rviz = None
+    processes.end_cleanly_when_terminated()
     launched, env = processes.launch("bag.launch", {"odometry": "external" if has_poses else "lidar"}, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
