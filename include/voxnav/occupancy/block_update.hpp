@@ -5,15 +5,13 @@
 
 #include "voxnav/occupancy/end_voxels.hpp"
 #include "voxnav/occupancy/octree_block.hpp"
-#include "voxnav/occupancy/ray_marks.hpp"
 #include "voxnav/occupancy/surface_sight.hpp"
 
 namespace voxnav::occupancy {
 
 /// All that one scan says about one block.
 struct BlockEvidence {
-  const RayMarks* marks;
-  std::uint32_t block;           ///< in the marks
+  VoxelBits passed{};            ///< crossed by rays
   geometry::Index3 first_voxel;  ///< window coordinates
   const VoxelBits* hit_bits;     ///< null: no hits
   const HitVoxel* hits_begin;

@@ -22,7 +22,6 @@ inline unsigned count_bits(std::uint64_t word) {
 /// What a subtraction did to 64 voxels.
 struct Subtracted {
   bool any_changed = false;
-  unsigned selected = 0;
   unsigned crossed_free = 0;      ///< voxels that came below `free_end`
   unsigned crossed_occupied = 0;  ///< voxels that came below `occupied_min`
 };
@@ -33,16 +32,14 @@ struct Subtraction {
   std::uint8_t occupied_min;
 };
 
-/// cells[i] = max(0, cells[i] - amount) wherever marks[i] is 0xFF (it is that or 0) and bit i of `allowed` is set.
-inline Subtracted subtract_where_plain(std::uint8_t* cells, const std::uint8_t* marks, std::uint64_t allowed,
-                                       const Subtraction& by) {
+/// cells[i] = max(0, cells[i] - amount) for every bit i set in mask.
+inline Subtracted subtract_where_plain(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   Subtracted out;
   for (int i = 0; i < 64; ++i) {
-    if (marks[i] == 0 || ((allowed >> i) & 1u) == 0) continue;
+    if (((mask >> i) & 1u) == 0) continue;
     const std::uint8_t before = cells[i];
     const auto after = static_cast<std::uint8_t>(before > by.amount ? before - by.amount : 0);
     cells[i] = after;
-    ++out.selected;
     out.any_changed = out.any_changed || before != after;
     out.crossed_free += before >= by.free_end && after < by.free_end ? 1 : 0;
     out.crossed_occupied += before >= by.occupied_min && after < by.occupied_min ? 1 : 0;
@@ -65,20 +62,16 @@ inline __m128i bytes_of_bits(unsigned bits) {
 }
 #endif
 
-inline Subtracted subtract_where(std::uint8_t* cells, const std::uint8_t* marks, std::uint64_t allowed,
-                                 const Subtraction& by) {
+inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
 #if defined(__SSE2__)
   const __m128i step = _mm_set1_epi8(static_cast<char>(by.amount));
   const __m128i free_limit = _mm_set1_epi8(static_cast<char>(by.free_end));
   const __m128i occupied_limit = _mm_set1_epi8(static_cast<char>(by.occupied_min));
   Subtracted out;
   for (int i = 0; i < 64; i += 16) {
-    __m128i selected = _mm_loadu_si128(reinterpret_cast<const __m128i*>(marks + i));
-    const auto part = static_cast<unsigned>((allowed >> i) & 0xFFFFu);
-    if (part != 0xFFFFu) selected = _mm_and_si128(selected, bytes_of_bits(part));
-    const auto selected_bits = static_cast<unsigned>(_mm_movemask_epi8(selected));
-    if (selected_bits == 0) continue;
-    out.selected += count_bits(selected_bits);
+    const auto part = static_cast<unsigned>((mask >> i) & 0xFFFFu);
+    if (part == 0) continue;
+    const __m128i selected = bytes_of_bits(part);
     auto* at = reinterpret_cast<__m128i*>(cells + i);
     const __m128i before = _mm_loadu_si128(at);
     const __m128i after = _mm_subs_epu8(before, _mm_and_si128(selected, step));
@@ -90,8 +83,37 @@ inline Subtracted subtract_where(std::uint8_t* cells, const std::uint8_t* marks,
   }
   return out;
 #else
-  return subtract_where_plain(cells, marks, allowed, by);
+  return subtract_where_plain(cells, mask, by);
 #endif
+}
+
+/// Turns 16 rows of 16 bits into columns: bit i of out[k] is bit k of in[i * stride]. False when nothing is set; `out`
+/// is then left as it was.
+inline bool transpose_16(const std::uint16_t* in, int stride, std::uint16_t* out) {
+  alignas(16) std::uint16_t rows[16];
+  unsigned any = 0;
+  for (int i = 0; i < 16; ++i) any |= rows[i] = in[i * stride];
+  if (any == 0) return false;
+#if defined(__SSE2__)
+  const __m128i first = _mm_load_si128(reinterpret_cast<const __m128i*>(rows));
+  const __m128i second = _mm_load_si128(reinterpret_cast<const __m128i*>(rows + 8));
+  const __m128i low_byte = _mm_set1_epi16(0xFF);
+  __m128i low = _mm_packus_epi16(_mm_and_si128(first, low_byte), _mm_and_si128(second, low_byte));
+  __m128i high = _mm_packus_epi16(_mm_srli_epi16(first, 8), _mm_srli_epi16(second, 8));
+  for (int k = 7; k >= 0; --k) {
+    out[k] = static_cast<std::uint16_t>(_mm_movemask_epi8(low));
+    out[k + 8] = static_cast<std::uint16_t>(_mm_movemask_epi8(high));
+    low = _mm_add_epi8(low, low);
+    high = _mm_add_epi8(high, high);
+  }
+#else
+  for (int k = 0; k < 16; ++k) {
+    unsigned column = 0;
+    for (int i = 0; i < 16; ++i) column |= ((rows[i] >> k) & 1u) << i;
+    out[k] = static_cast<std::uint16_t>(column);
+  }
+#endif
+  return true;
 }
 
 /// Calls f(index) for every set bit, lowest first.

@@ -14,6 +14,7 @@
 #include "voxnav/occupancy/block_update.hpp"
 #include "voxnav/occupancy/block_window.hpp"
 #include "voxnav/occupancy/map_content.hpp"
+#include "voxnav/occupancy/ray_marks.hpp"
 
 namespace voxnav::occupancy {
 
@@ -120,6 +121,7 @@ class LocalMap {
   void sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin);
   void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
+  bool is_crossed(std::uint32_t block) const;
   BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
   void note_removed(const geometry::Index3& block);
 
@@ -132,7 +134,7 @@ class LocalMap {
   std::vector<ScanPart> parts_;  ///< one per thread
   BeamImage beams_;
   ScanBox box_;
-  RayMarks marks_;
+  std::vector<RayMarks> marks_;  ///< one per thread
   std::unique_ptr<base::WorkerPool> workers_;
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;

@@ -11,9 +11,6 @@ namespace voxnav::occupancy {
 /// The blocks that rays of one scan can reach, within the window, numbered x fastest.
 class ScanBox {
  public:
-  static constexpr int kMaxSide = 2047;  ///< voxels
-  static constexpr std::uint32_t kMaxBlocks = 65535;
-
   ScanBox() = default;
   /// Covers blocks `low` to `high`, both included, counted from the corner of the window.
   ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3& low, const geometry::Index3& high)

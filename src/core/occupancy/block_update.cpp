@@ -18,10 +18,7 @@ VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const 
   if (block->leaves.empty()) return out;
   const geometry::Index3& low = evidence.first_voxel;
   for (int word = 0; word < 64; ++word) {
-    if (!evidence.marks->is_row_crossed(evidence.block, word)) continue;
-    const std::uint8_t* crossed = evidence.marks->row(evidence.block, word);
-    for_each_bit(block->leaves.bits()[word] & ~hits[word], [&](int bit) {
-      if (crossed[bit] == 0) return;
+    for_each_bit(evidence.passed[word] & block->leaves.bits()[word] & ~hits[word], [&](int bit) {
       const int offset = 64 * word + bit;
       const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
       const geometry::Vec3f center(static_cast<float>(low.x + inside.x) + 0.5f,
@@ -43,12 +40,12 @@ struct Applied {
 void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
                   const LogOddsScale& scale, const StateLevels& levels, Applied* out) {
   for (int word = 0; word < 64; ++word) {
-    if (!evidence.marks->is_row_crossed(evidence.block, word)) continue;
     const std::uint64_t spared = hits[word] | (block->leaves.bits()[word] & ~refuted[word]);
-    const Subtracted done =
-        subtract_where(block->log_odds.data() + 64 * word, evidence.marks->row(evidence.block, word), ~spared,
-                       {scale.miss, levels.free_end(), levels.occupied_begin()});
-    out->update.missed += done.selected;
+    const std::uint64_t misses = evidence.passed[word] & ~spared;
+    if (misses == 0) continue;
+    const Subtracted done = subtract_where(block->log_odds.data() + 64 * word, misses,
+                                           {scale.miss, levels.free_end(), levels.occupied_begin()});
+    out->update.missed += count_bits(misses);
     out->update.became_free += done.crossed_free;
     out->any_level_changed = out->any_level_changed || done.any_changed;
     out->any_state_changed = out->any_state_changed || done.crossed_free + done.crossed_occupied != 0;

@@ -31,6 +31,7 @@ LocalMap::LocalMap(const LocalMapConfig& config)
       window_(config_.window_blocks(), block_size(config_)),
       ends_(config_.window_blocks()),
       parts_(static_cast<std::size_t>(config_.num_threads)),
+      marks_(static_cast<std::size_t>(config_.num_threads)),
       workers_(std::make_unique<base::WorkerPool>(config_.num_threads)) {}
 
 InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L) {
@@ -157,32 +158,40 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
     high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
   }
   box_ = ScanBox(window_.num_blocks(), low, high);
-  marks_.begin(box_);
   const std::size_t hits = ends_.hits().size();
   const std::size_t clearing = ends_.clearing_ends().size();
   workers_->run([&](int worker) {
+    RayMarks& marks = marks_[static_cast<std::size_t>(worker)];
+    marks.begin(box_);
     const base::Share share = base::share_of(hits + clearing + no_return_ends_.size(), worker, workers_->size());
     for (std::size_t i = share.begin; i < share.end; ++i) {
       if (i < hits) {
         const HitVoxel& hit = ends_.hits()[i];
-        marks_.cast(ends_.center_of(hit) + hit.points.mean, origin);
+        marks.cast(ends_.center_of(hit) + hit.points.mean, origin);
       } else {
-        marks_.cast(i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing],
-                    origin);
+        marks.cast(i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing],
+                   origin);
       }
     }
   });
 }
 
+bool LocalMap::is_crossed(std::uint32_t block) const {
+  return std::any_of(marks_.begin(), marks_.end(), [=](const RayMarks& marks) { return marks.is_crossed(block); });
+}
+
 BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight) {
   const std::uint32_t slot = box_.slot_of(block);
   const EndVoxels::Range hits = ends_.range(slot);
-  const BlockEvidence evidence{&marks_,
-                               block,
-                               box_.first_voxel(block),
-                               ends_.hit_bits(slot),
-                               ends_.hits().data() + hits.begin,
-                               ends_.hits().data() + hits.end};
+  BlockEvidence evidence;
+  for (RayMarks& marks : marks_) {
+    marks.add_to(block, &evidence.passed);
+    marks.clear(block);
+  }
+  evidence.first_voxel = box_.first_voxel(block);
+  evidence.hit_bits = ends_.hit_bits(slot);
+  evidence.hits_begin = ends_.hits().data() + hits.begin;
+  evidence.hits_end = ends_.hits().data() + hits.end;
   return update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, sight, scale_, levels_);
 }
 
@@ -196,10 +205,7 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
     BlockUpdate sum;
     const auto step = static_cast<std::uint32_t>(workers_->size());
     for (auto block = static_cast<std::uint32_t>(worker); block < box_.num_blocks(); block += step) {
-      if (marks_.is_block_crossed(block)) {
-        sum += update_slot(block, sight);
-        marks_.clear(block);
-      }
+      if (is_crossed(block)) sum += update_slot(block, sight);
     }
     updates[static_cast<std::size_t>(worker)] = sum;
   });

@@ -2,154 +2,137 @@
 #include "voxnav/occupancy/ray_marks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
-#include <cstring>
+#include <limits>
+
+#include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-/// Positions are fixed-point numbers: exact sums, and the voxel is a shift away. ScanBox::kMaxSide voxels fit.
-constexpr int kFractionBits = 20;
-constexpr double kOne = 1 << kFractionBits;
+constexpr int kSide = geometry::kBlockSide;
+constexpr int kShift = geometry::kBlockShift;
 
-/// Four slabs at once; the compiler makes vector instructions of these on every machine that has some.
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-using Short8 = std::int16_t __attribute__((vector_size(16)));
-using Float4 = float __attribute__((vector_size(16)));
+/// The way of a ray across one of its two shorter axes, seen from the longest one: where it changes voxel.
+struct ShortAxis {
+  int cell;
+  int step;                      ///< +1 or -1
+  int num_left;                  ///< changes to come
+  double next;                   ///< coordinate on the longest axis at which the next one comes
+  double per_cell;               ///< between changes
+  std::uint32_t stride, inside;  ///< of a block and of a voxel in row numbers
 
-std::int32_t fixed(double value) { return static_cast<std::int32_t>(value * kOne); }
-Int4 all(std::int32_t value) { return Int4{value, value, value, value}; }
-Int4 choose(Int4 mask, Int4 a, Int4 b) { return (mask & a) | (~mask & b); }
-/// The vector that begins with the last of `before`.
-Int4 shifted_in(Int4 before, Int4 now) { return __builtin_shuffle(before, now, Int4{3, 4, 5, 6}); }
-
-/// A plain store that other threads may make at the same time.
-inline void store(std::uint8_t* at, std::uint8_t value) { __atomic_store_n(at, value, __ATOMIC_RELAXED); }
-
-/// Part of an address that a position contributes on one axis.
-class AddressPart {
- public:
-  AddressPart(std::uint32_t block_stride, int axis)
-      : stride_(all(static_cast<std::int32_t>(block_stride))),
-        inside_shift_(kFractionBits - geometry::kBlockShift * axis),
-        inside_mask_(all((geometry::kBlockSide - 1) << (geometry::kBlockShift * axis))) {}
-  Int4 of(Int4 position) const {
-    // Block numbers have 16 bits (ScanBox::kMaxBlocks), for which there is a multiplication everywhere.
-    const Int4 block = position >> (kFractionBits + geometry::kBlockShift);
-    const auto product = reinterpret_cast<Int4>(reinterpret_cast<Short8>(block) * reinterpret_cast<Short8>(stride_));
-    return (product << (3 * geometry::kBlockShift)) | ((position >> inside_shift_) & inside_mask_);
+  ShortAxis(double from, double to, double slope, double start, std::uint32_t block_stride, std::uint32_t inside_stride)
+      : cell(static_cast<int>(from)),
+        step(slope < 0.0 ? -1 : 1),
+        num_left(std::abs(static_cast<int>(to) - cell)),
+        next(start),
+        per_cell(0.0),
+        stride(block_stride),
+        inside(inside_stride) {
+    if (num_left == 0) return;
+    per_cell = 1.0 / std::abs(slope);
+    next += std::abs(step > 0 ? cell + 1 - from : from - cell) * per_cell;
   }
-
- private:
-  Int4 stride_;
-  int inside_shift_;
-  Int4 inside_mask_;
-};
-
-/// Goes along one of the short axes of a ray from border to border of the longest one, never beyond its end.
-class ShortAxis {
- public:
-  ShortAxis(double from, double to, double slope, double to_border, const AddressPart& part)
-      : part_(part), limit_(all(fixed(to))), is_down_(slope < 0.0 ? all(-1) : all(0)) {
-    const std::int32_t step = fixed(slope), first = fixed(from + to_border * slope);
-    border_ = Int4{first, first + step, first + 2 * step, first + 3 * step};
-    step_ = all(4 * step);
-    speed_ = std::abs(static_cast<float>(slope)) * Float4{1.0f, 1.0f, 1.0f, 1.0f};
-    exit_ = all(fixed(from));
-    exit_part_ = part_.of(exit_);
+  std::uint32_t row() const {
+    return static_cast<std::uint32_t>(cell >> kShift) * stride +
+           static_cast<std::uint32_t>(cell & (kSide - 1)) * inside;
   }
-  /// The next four slabs.
-  void advance() {
-    const Int4 reached = choose((border_ > limit_) ^ is_down_, limit_, border_);
-    entry_ = shifted_in(exit_, reached);
-    exit_ = reached;
-    const Int4 part = part_.of(reached);
-    entry_part_ = shifted_in(exit_part_, part);
-    exit_part_ = part;
-    border_ += step_;
+  /// Takes the next change if `use`; written without branches.
+  void advance(bool use) {
+    cell += use ? step : 0;
+    next += use ? per_cell : 0.0;
+    num_left -= use ? 1 : 0;
   }
-  Int4 entry_part() const { return entry_part_; }
-  Int4 exit_part() const { return exit_part_; }
-  Float4 speed() const { return speed_; }
-  /// From the entry to the next border of a voxel.
-  Float4 way() const {
-    const Int4 fraction = (entry_ ^ ~is_down_) & all((1 << kFractionBits) - 1);
-    return __builtin_convertvector(fraction, Float4);
-  }
-
- private:
-  AddressPart part_;
-  Int4 limit_, is_down_, border_, step_;
-  Float4 speed_;
-  Int4 entry_{}, exit_, entry_part_{}, exit_part_;
 };
 
 }  // namespace
 
+struct RayMarks::Line {
+  std::uint32_t a_stride;  ///< row numbers from block to block along the longest axis
+};
+
 void RayMarks::begin(const ScanBox& box) {
   box_ = &box;
-  rows_.resize(std::max<std::size_t>(rows_.size(), std::size_t{64} * box.num_blocks()));
-  voxels_.resize(64 * rows_.size());
+  for (Image& image : images_) {
+    image.rows.resize(std::max<std::size_t>(image.rows.size(), kRows * box.num_blocks()));
+    image.crossed.resize(image.rows.size() / kRows);
+  }
 }
 
-bool RayMarks::is_block_crossed(std::uint32_t block) const {
-  std::uint64_t words[8];
-  std::memcpy(words, rows_.data() + 64 * std::size_t{block}, sizeof(words));
-  std::uint64_t any = 0;
-  for (const std::uint64_t word : words) any |= word;
-  return any != 0;
+/// Voxels first to last of a row along the longest axis.
+inline void RayMarks::mark_run(Image* image, const Line& line, std::uint32_t row, int first, int last) {
+  for (int block = first >> kShift; block <= last >> kShift; ++block) {
+    const std::uint32_t at = row + static_cast<std::uint32_t>(block) * line.a_stride;
+    const int low = std::max(first - block * kSide, 0), high = std::min(last - block * kSide, kSide - 1);
+    image->rows[at] = static_cast<std::uint16_t>(image->rows[at] | ((2u << high) - (1u << low)));
+    image->crossed[at / kRows] = 1;
+  }
+}
+
+void RayMarks::cast(const geometry::Vec3f& end, const geometry::Vec3& origin) {
+  const geometry::Vec3 corner = box_->corner();
+  geometry::Vec3 from = end.cast<double>() - corner;
+  geometry::Vec3 to = origin - corner;
+  int a = 0;
+  const double length = (to - from).cwiseAbs().maxCoeff(&a);
+  if (from[a] > to[a]) std::swap(from, to);
+  const double scale = length > 0.0 ? 1.0 / length : 0.0;
+  const auto short_axis = [&](int axis, std::uint32_t inside) {
+    return ShortAxis(from[axis], to[axis], (to[axis] - from[axis]) * scale, from[a],
+                     static_cast<std::uint32_t>(kRows) * box_->block_stride(axis), inside);
+  };
+  ShortAxis b = short_axis((a + 1) % 3, 1);
+  ShortAxis c = short_axis((a + 2) % 3, kSide);
+  const Line line{static_cast<std::uint32_t>(kRows) * box_->block_stride(a)};
+  Image* image = &images_[a];
+  int at = static_cast<int>(from[a]);
+  const int last = static_cast<int>(to[a]);
+  for (int changes = b.num_left + c.num_left; changes > 0; --changes) {
+    const bool is_b = (b.num_left > 0) & ((c.num_left == 0) | (b.next <= c.next));
+    const int stop = std::max(at, std::min(last, static_cast<int>(is_b ? b.next : c.next)));
+    mark_run(image, line, b.row() + c.row(), at, stop);
+    b.advance(is_b);
+    c.advance(!is_b);
+    at = stop;
+  }
+  mark_run(image, line, b.row() + c.row(), at, last);
+}
+
+void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
+  const auto rows = [&](int axis) { return images_[axis].rows.data() + kRows * block; };
+  if (images_[0].crossed[block] != 0) {
+    // Rows along x are in the order of the voxels already.
+    for (std::size_t i = 0; i < kRows; ++i) (*bits)[i / 4] |= std::uint64_t{rows(0)[i]} << (16 * (i % 4));
+  }
+  std::uint16_t turned[kSide];
+  if (images_[1].crossed[block] != 0) {
+    for (int z = 0; z < kSide; ++z) {
+      if (!transpose_16(rows(1) + z, kSide, turned)) continue;
+      for (int y = 0; y < kSide; ++y) (*bits)[4 * z + y / 4] |= std::uint64_t{turned[y]} << (16 * (y % 4));
+    }
+  }
+  if (images_[2].crossed[block] != 0) {
+    for (int y = 0; y < kSide; ++y) {
+      if (!transpose_16(rows(2) + y * kSide, 1, turned)) continue;
+      for (int z = 0; z < kSide; ++z) (*bits)[4 * z + y / 4] |= std::uint64_t{turned[z]} << (16 * (y % 4));
+    }
+  }
 }
 
 void RayMarks::clear(std::uint32_t block) {
-  std::uint8_t* rows = rows_.data() + 64 * std::size_t{block};
-  for (int row = 0; row < 64; ++row) {
-    if (rows[row] != 0) std::memset(voxels_.data() + 64 * (64 * std::size_t{block} + row), 0, 64);
-  }
-  std::memset(rows, 0, 64);
-}
-
-template <class Addresses>
-inline void RayMarks::mark(const Addresses& addresses) {
-  for (int i = 0; i < 4; ++i) {
-    const auto address = static_cast<std::uint32_t>(addresses[i]);
-    store(voxels_.data() + address, kCrossed);
-    store(rows_.data() + (address >> 6), 1);
+  for (Image& image : images_) {
+    if (image.crossed[block] == 0) continue;
+    image.crossed[block] = 0;
+    std::fill_n(image.rows.begin() + static_cast<std::ptrdiff_t>(kRows * block), kRows, std::uint16_t{0});
   }
 }
 
-/// Nothing in the loop depends on what the ray meets, so no branch is ever mispredicted: in each slab the voxels at
-/// its entry and its exit are marked, and the one between, which is one of these unless both short axes change. That
-/// one lies behind the border that comes first: the one reached at the smaller share of the slab.
-void RayMarks::cast(const geometry::Vec3f& end, const geometry::Vec3& origin) {
-  const geometry::Vec3 corner = box_->corner();
-  const geometry::Vec3 from = end.cast<double>() - corner;
-  const geometry::Vec3 to = origin - corner;
-  const geometry::Vec3 delta = to - from;
-  int a = 0;
-  const double length = delta.cwiseAbs().maxCoeff(&a);
-  const int b_axis = (a + 1) % 3, c_axis = (a + 2) % 3;
-  const double scale = length > 0.0 ? 1.0 / length : 0.0;
-  const auto first = static_cast<std::int32_t>(from[a]), last = static_cast<std::int32_t>(to[a]);
-  const bool is_down = delta[a] < 0.0;
-  const double to_border = is_down ? from[a] - first : first + 1 - from[a];
-  const auto part = [&](int axis) { return AddressPart(box_->block_stride(axis), axis); };
-  ShortAxis b(from[b_axis], to[b_axis], delta[b_axis] * scale, to_border, part(b_axis));
-  ShortAxis c(from[c_axis], to[c_axis], delta[c_axis] * scale, to_border, part(c_axis));
-  const AddressPart a_part = part(a);
-  const std::int32_t step = (is_down ? -1 : 1) * (1 << kFractionBits);
-  Int4 along = all(first * (1 << kFractionBits)) + Int4{0, step, 2 * step, 3 * step};
-  const Int4 limit = all(last * (1 << kFractionBits)), down = all(is_down ? -1 : 0);
-  for (int slab = std::abs(last - first); slab >= 0; slab -= 4) {
-    b.advance();
-    c.advance();
-    const Int4 slabs = a_part.of(choose((along > limit) ^ down, limit, along));
-    const Int4 is_b_first = b.way() * c.speed() < c.way() * b.speed();
-    const Int4 between = choose(is_b_first, b.exit_part() + c.entry_part(), b.entry_part() + c.exit_part());
-    mark(slabs + b.entry_part() + c.entry_part());
-    mark(slabs + between);
-    mark(slabs + b.exit_part() + c.exit_part());
-    along += all(4 * step);
-  }
+std::size_t RayMarks::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const Image& image : images_) bytes += image.rows.capacity() * sizeof(std::uint16_t) + image.crossed.capacity();
+  return bytes;
 }
 
 }  // namespace voxnav::occupancy
