@@ -29,6 +29,7 @@ build: deps
 	@scripts/dev/build_workspace $(WS) $(JOBS)
 
 core: deps
+	@mkdir -p build
 	@cmake -S . -B build/core -DCMAKE_CXX_COMPILER_LAUNCHER=ccache > build/core-cmake.log || (cat build/core-cmake.log; false)
 	@$(MAKE) --no-print-directory -C build/core -j$(JOBS)
 

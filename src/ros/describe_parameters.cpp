@@ -79,10 +79,10 @@ void print(const char* node, const std::vector<std::string>& sections, bool is_l
 int main() {
   namespace ros_ = voxnav_ros;
   std::cout << "{";
-  print("cloud_filter", {section<voxnav::cloud::CloudFilterConfig>("filter"),
-                         section<voxnav::cloud::OpenBeamsConfig>("open_beams")});
-  print("lidar_odometry", {section<voxnav::odometry::LidarOdometryConfig>("odometry"),
-                           section<ros_::LidarOdometryNodeConfig>("node")});
+  print("cloud_filter",
+        {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::OpenBeamsConfig>("open_beams")});
+  print("lidar_odometry",
+        {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",
         {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
          section<ros_::LocalMapperConfig>("node")});

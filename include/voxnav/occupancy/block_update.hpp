@@ -3,27 +3,36 @@
 
 #include <cstddef>
 
+#include "voxnav/occupancy/end_voxels.hpp"
 #include "voxnav/occupancy/octree_block.hpp"
-#include "voxnav/occupancy/ray_marker.hpp"
+#include "voxnav/occupancy/surface_sight.hpp"
 
 namespace voxnav::occupancy {
 
-/// All that one scan says about one block. Null members say nothing.
+/// All that one scan says about one block.
 struct BlockEvidence {
-  const RayMarker::Row* rows = nullptr;  ///< 64 of them
-  const VoxelBits* through = nullptr;    ///< voxels with earlier hits that rays went through
-  const HitVoxel* hits_begin = nullptr;
-  const HitVoxel* hits_end = nullptr;
+  VoxelBits passed{};            ///< crossed by rays
+  geometry::Index3 first_voxel;  ///< window coordinates
+  const VoxelBits* hit_bits;     ///< null: no hits
+  const HitVoxel* hits_begin;
+  const HitVoxel* hits_end;
 };
 
 struct BlockUpdate {
   std::size_t missed = 0;
   std::size_t became_free = 0;
   std::size_t became_occupied = 0;
+
+  BlockUpdate& operator+=(const BlockUpdate& other) {
+    missed += other.missed;
+    became_free += other.became_free;
+    became_occupied += other.became_occupied;
+    return *this;
+  }
 };
 
 /// One pass: misses, hits (which win), mean hit points, inner nodes.
-BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale,
-                         const StateLevels& levels);
+BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
+                         const LogOddsScale& scale, const StateLevels& levels);
 
 }  // namespace voxnav::occupancy

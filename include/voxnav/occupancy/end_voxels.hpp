@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "voxnav/occupancy/scan_part.hpp"
 #include "voxnav/occupancy/surface_leaves.hpp"
 
 namespace voxnav::occupancy {
@@ -20,13 +20,12 @@ struct HitVoxel {
 /// Coordinates are voxel edges from the corner of the window.
 class EndVoxels {
  public:
-  EndVoxels(std::array<int, 3> num_blocks);
+  explicit EndVoxels(std::array<int, 3> num_blocks);
 
   void clear();
-  /// `end` must lie inside the window.
-  void add_hit(const geometry::Vec3f& end);
-  /// A beam that went on behind `end`. The first one in a voxel is kept.
-  void add_clearing(const geometry::Vec3f& end);
+  /// The part's runs and the beams that went on; of those the first one in a voxel is kept. The part must stay until
+  /// finish().
+  void add(const ScanPart& part);
   /// Call once after the last add. Hits come grouped by block, in the order in which blocks were first hit.
   void finish();
 
@@ -43,6 +42,8 @@ class EndVoxels {
   /// Where the hits of a block lie in hits(); may be empty.
   Range range(std::uint32_t slot) const;
   geometry::Vec3f center_of(const HitVoxel& hit) const;
+  /// Widens a box of blocks (from the window's corner) to hold all ends.
+  void widen(geometry::Index3* low, geometry::Index3* high) const;
   std::size_t memory_bytes() const;
 
  private:
@@ -57,28 +58,18 @@ class EndVoxels {
     std::uint32_t block;  ///< in blocks_
     std::uint32_t offset;
   };
-  struct Sum {
-    geometry::Vec3f offset = geometry::Vec3f::Zero();
-    std::array<float, 6> product{};
-    int count = 0;
-    void add(const geometry::Vec3f& from_center);
-    void add(const Sum& other);
-  };
-  /// Neighbouring beams mostly end in one voxel, so runs of them are summed before the voxel is looked up.
-  struct EndRun {
-    geometry::Index3 voxel;
-    Address address;
-    Sum sum;
-  };
-  static PointSpread spread_of(const Sum& sum);
-  Address address_of(int x, int y, int z);
+  static PointSpread spread_of(const PointSum& sum);
+  Address address_of(const geometry::Index3& voxel);
+  void add_clearing(const geometry::Vec3f& end);
   std::size_t count_hits();
+  geometry::Index3 block_of_slot(std::uint32_t slot) const;
 
   std::array<int, 3> num_blocks_;
   std::vector<std::int32_t> index_;  ///< of a slot in blocks_, -1 = none
   std::vector<Block> blocks_;
-  std::vector<EndRun> runs_;
-  std::vector<Sum> sums_;
+  std::vector<const ScanPart*> parts_;
+  std::vector<Address> addresses_;  ///< of all runs of all parts
+  std::vector<PointSum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;
 };

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "voxnav/base/worker_pool.hpp"
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/geometry/aabb.hpp"
 #include "voxnav/occupancy/block_update.hpp"
 #include "voxnav/occupancy/block_window.hpp"
 #include "voxnav/occupancy/map_content.hpp"
-#include "voxnav/occupancy/ray_marker.hpp"
+#include "voxnav/occupancy/ray_marks.hpp"
 
 namespace voxnav::occupancy {
 
@@ -113,14 +114,15 @@ class LocalMap {
   geometry::Vec3 to_window(const geometry::Vec3& point) const;
   void move_window(const geometry::Vec3& center, InsertStatistics* statistics);
   void keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* statistics);
-  void collect_points(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L,
+  ScanFrame frame_of(const geometry::Pose& T_W_L) const;
+  void collect_points(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame,
                       InsertStatistics* statistics);
-  void collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L);
-  void add_clearing(const geometry::Vec3f& origin, geometry::Vec3f end);
+  void collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L, const ScanFrame& frame);
+  void sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin);
-  void weigh_crossings();
-  void update_blocks(InsertStatistics* statistics);
-  void update_slot(std::uint32_t slot, BlockEvidence evidence, InsertStatistics* statistics);
+  void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
+  bool is_crossed(std::uint32_t block) const;
+  BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
   void note_removed(const geometry::Index3& block);
 
   LocalMapConfig config_;
@@ -129,9 +131,11 @@ class LocalMap {
   BlockWindow window_;
   EndVoxels ends_;
   std::vector<geometry::Vec3f> no_return_ends_;
+  std::vector<ScanPart> parts_;  ///< one per thread
+  BeamImage beams_;
   ScanBox box_;
-  std::vector<RayMarker> markers_;              ///< one per thread; results are merged into the first
-  std::map<std::uint32_t, VoxelBits> through_;  ///< per slot: voxels with hits that rays went through in this scan
+  std::vector<RayMarks> marks_;  ///< one per thread
+  std::unique_ptr<base::WorkerPool> workers_;
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;
   std::set<geometry::Index3> removed_;

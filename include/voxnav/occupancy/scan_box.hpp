@@ -3,35 +3,48 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "voxnav/geometry/voxel.hpp"
 
 namespace voxnav::occupancy {
 
-/// The blocks that rays of one scan can reach, within the window, with a bit address for each voxel: address =
-/// x_part[x] + y_part[y] + z_part[z], so that neighbouring steps of a ray cost one table look-up each. Bits of one
-/// block are contiguous (4096) in voxel order.
+/// The blocks that rays of one scan can reach, within the window, numbered x fastest.
 class ScanBox {
  public:
-  /// Covers `reach` blocks around the origin's block; coordinates are blocks from the window's corner.
-  ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3& origin_block, int reach);
   ScanBox() = default;
+  /// Covers blocks `low` to `high`, both included, counted from the corner of the window.
+  ScanBox(const std::array<int, 3>& window_blocks, const geometry::Index3& low, const geometry::Index3& high)
+      : window_blocks_(window_blocks),
+        low_(low),
+        size_{static_cast<std::uint32_t>(high.x - low.x + 1), static_cast<std::uint32_t>(high.y - low.y + 1),
+              static_cast<std::uint32_t>(high.z - low.z + 1)} {}
 
   std::uint32_t num_blocks() const { return size_[0] * size_[1] * size_[2]; }
+  /// Blocks from one to its neighbour on an axis.
+  std::uint32_t block_stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_[0] : size_[0] * size_[1]; }
+  /// From the window's corner, in voxels.
+  geometry::Vec3 corner() const { return geometry::Vec3(low_.x, low_.y, low_.z) * geometry::kBlockSide; }
+  /// From the window's corner, in blocks.
+  geometry::Index3 block_at(std::uint32_t block) const {
+    const auto yz = block / size_[0];
+    return low_ + geometry::Index3{static_cast<int>(block % size_[0]), static_cast<int>(yz % size_[1]),
+                                   static_cast<int>(yz / size_[1])};
+  }
   /// Slot in the window of a block of the box.
-  std::uint32_t slot_of(std::uint32_t block) const { return slots_[block]; }
+  std::uint32_t slot_of(std::uint32_t block) const {
+    const geometry::Index3 at = block_at(block);
+    return static_cast<std::uint32_t>(at.x + window_blocks_[0] * (at.y + window_blocks_[1] * at.z));
+  }
   /// Lowest voxel of a block, from the window's corner.
-  const geometry::Index3& first_voxel(std::uint32_t block) const { return first_voxels_[block]; }
-  /// Part of the address that a coordinate (voxels from the window's corner) contributes on an axis.
-  const std::uint32_t* parts(int axis) const { return parts_[axis].data(); }
+  geometry::Index3 first_voxel(std::uint32_t block) const {
+    const geometry::Index3 at = block_at(block);
+    return {at.x * geometry::kBlockSide, at.y * geometry::kBlockSide, at.z * geometry::kBlockSide};
+  }
 
  private:
-  std::array<std::uint32_t, 3> first_{};
+  std::array<int, 3> window_blocks_{};
+  geometry::Index3 low_;
   std::array<std::uint32_t, 3> size_{};
-  std::array<std::vector<std::uint32_t>, 3> parts_;
-  std::vector<std::uint32_t> slots_;
-  std::vector<geometry::Index3> first_voxels_;
 };
 
 }  // namespace voxnav::occupancy

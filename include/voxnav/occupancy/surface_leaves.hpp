@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxnav/geometry/voxel.hpp"
+#include "voxnav/occupancy/byte_ops.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
 namespace voxnav::occupancy {
@@ -61,7 +62,7 @@ class SurfaceLeaves {
  private:
   std::size_t rank(int offset) const {
     const std::uint64_t below = (std::uint64_t{1} << (offset & 63)) - 1;
-    return first_[offset >> 6] + static_cast<std::size_t>(__builtin_popcountll(bits_[offset >> 6] & below));
+    return first_[offset >> 6] + count_bits(bits_[offset >> 6] & below);
   }
 
   VoxelBits bits_{};

@@ -11,23 +11,24 @@ namespace {
 /// A quarter of the voxels: more surface does not fit between walls. Bounds the memory of a block.
 constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
 
-VoxelBits hit_bits(const BlockEvidence& evidence) {
-  VoxelBits bits{};
-  for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
-    bits[hit->offset >> 6] |= std::uint64_t{1} << (hit->offset & 63);
+/// Voxels with hits of earlier scans whose surface this scan saw through.
+VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits,
+                       const SurfaceSight& sight) {
+  VoxelBits out{};
+  if (block->leaves.empty()) return out;
+  const geometry::Index3& low = evidence.first_voxel;
+  for (int word = 0; word < 64; ++word) {
+    for_each_bit(evidence.passed[word] & block->leaves.bits()[word] & ~hits[word], [&](int bit) {
+      const int offset = 64 * word + bit;
+      const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
+      const geometry::Vec3f center(static_cast<float>(low.x + inside.x) + 0.5f,
+                                   static_cast<float>(low.y + inside.y) + 0.5f,
+                                   static_cast<float>(low.z + inside.z) + 0.5f);
+      if (sight.refutes(center, block->leaves.find(offset))) out[word] |= std::uint64_t{1} << bit;
+    });
   }
-  return bits;
+  return out;
 }
-
-/// Voxels without hits of their own are missed by any ray that crosses them, the others only by one that went through
-/// where the hits were.
-std::uint64_t miss_bits(const BlockEvidence& evidence, const SurfaceLeaves& leaves, const VoxelBits& hits, int word) {
-  const std::uint64_t through = evidence.through != nullptr ? (*evidence.through)[word] : 0;
-  const std::uint64_t passed = evidence.rows != nullptr ? evidence.rows[word].passed & ~leaves.bits()[word] : 0;
-  return (passed | through) & ~hits[word];
-}
-
-std::size_t count(std::uint64_t word) { return static_cast<std::size_t>(__builtin_popcountll(word)); }
 
 struct Applied {
   BlockUpdate update;
@@ -35,17 +36,19 @@ struct Applied {
   bool any_state_changed = false;
 };
 
-void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const LogOddsScale& scale,
-                  const StateLevels& levels, Applied* out) {
+/// Voxels without hits of their own are missed by any ray that crosses them, the others only when they are refuted.
+void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
+                  const LogOddsScale& scale, const StateLevels& levels, Applied* out) {
   for (int word = 0; word < 64; ++word) {
-    const std::uint64_t misses = miss_bits(evidence, block->leaves, hits, word);
+    const std::uint64_t spared = hits[word] | (block->leaves.bits()[word] & ~refuted[word]);
+    const std::uint64_t misses = evidence.passed[word] & ~spared;
     if (misses == 0) continue;
-    out->update.missed += count(misses);
-    const Subtracted done = subtract_where(block->log_odds.data() + 64 * word, misses, scale.miss, levels.free_end(),
-                                           levels.occupied_begin());
-    out->update.became_free += count(done.crossed_free);
+    const Subtracted done = subtract_where(block->log_odds.data() + 64 * word, misses,
+                                           {scale.miss, levels.free_end(), levels.occupied_begin()});
+    out->update.missed += count_bits(misses);
+    out->update.became_free += done.crossed_free;
     out->any_level_changed = out->any_level_changed || done.any_changed;
-    out->any_state_changed = out->any_state_changed || (done.crossed_free | done.crossed_occupied) != 0;
+    out->any_state_changed = out->any_state_changed || done.crossed_free + done.crossed_occupied != 0;
   }
 }
 
@@ -64,18 +67,16 @@ void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOdds
   }
 }
 
-/// New hits get a leaf; a leaf goes when its voxel is free and rays went through where its hits were.
-void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits,
+/// New hits get a leaf; a leaf goes when its voxel is free and was refuted.
+void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
                    const StateLevels& levels) {
   VoxelBits bits = block->leaves.bits();
   std::size_t leaves = 0;
   for (int word = 0; word < 64; ++word) {
-    if (evidence.through != nullptr) {
-      for_each_bit((*evidence.through)[word] & ~hits[word], [&](int bit) {
-        if (block->log_odds[64 * word + bit] < levels.free_end()) bits[word] &= ~(std::uint64_t{1} << bit);
-      });
-    }
-    leaves += count(bits[word] | hits[word]);
+    for_each_bit(refuted[word], [&](int bit) {
+      if (block->log_odds[64 * word + bit] < levels.free_end()) bits[word] &= ~(std::uint64_t{1} << bit);
+    });
+    leaves += count_bits(bits[word] | hits[word]);
     if (leaves <= kMaxLeaves) bits[word] |= hits[word];
   }
   block->leaves.assign(bits);
@@ -86,14 +87,15 @@ void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const Voxe
 
 }  // namespace
 
-BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale,
-                         const StateLevels& levels) {
-  const VoxelBits hits = hit_bits(evidence);
+BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
+                         const LogOddsScale& scale, const StateLevels& levels) {
+  static const VoxelBits kNone{};
+  const VoxelBits& hits = evidence.hit_bits != nullptr ? *evidence.hit_bits : kNone;
+  const VoxelBits refuted = refuted_bits(block, evidence, hits, sight);
   Applied applied;
-  apply_misses(block, evidence, hits, scale, levels, &applied);
+  apply_misses(block, evidence, hits, refuted, scale, levels, &applied);
   apply_hits(block, evidence, scale, levels, &applied);
-  if (evidence.hits_begin != evidence.hits_end || evidence.through != nullptr)
-    update_leaves(block, evidence, hits, levels);
+  if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
   block->changed = block->changed || applied.any_state_changed;
   // Most blocks are free space at the lower clamp, where a miss changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 
 #include "voxnav/occupancy/block_update.hpp"
 
@@ -12,23 +11,11 @@ namespace voxnav::occupancy {
 namespace {
 
 /// Rays end at least this far inside the window, so that rounding to float never leads out of it.
-constexpr double kBorderVoxels = 1.0;
+constexpr float kBorderVoxels = 1.0f;
 constexpr double kZeroRangeM = 1e-6;
 constexpr double kMaxCells = 5e8;
 
 double block_size(const LocalMapConfig& config) { return config.resolution_m * geometry::kBlockSide; }
-
-/// Largest share of the way from `origin` (inside) to `end` that stays inside.
-double share_inside(const geometry::Vec3& origin, const geometry::Vec3& end, const geometry::Vec3& size) {
-  double share = 1.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double delta = end[axis] - origin[axis];
-    if (delta == 0.0) continue;
-    const double border = delta > 0.0 ? size[axis] - kBorderVoxels : kBorderVoxels;
-    share = std::min(share, (border - origin[axis]) / delta);
-  }
-  return std::max(share, 0.0);
-}
 
 geometry::Vec3 size_in_voxels(const BlockWindow& window) {
   const auto& n = window.num_blocks();
@@ -42,9 +29,10 @@ LocalMap::LocalMap(const LocalMapConfig& config)
       scale_(LogOddsScale::from(config_)),
       levels_(scale_, config_.free_threshold, config_.occupied_threshold),
       window_(config_.window_blocks(), block_size(config_)),
-      ends_(config_.window_blocks()) {
-  markers_.resize(static_cast<std::size_t>(config_.num_threads));
-}
+      ends_(config_.window_blocks()),
+      parts_(static_cast<std::size_t>(config_.num_threads)),
+      marks_(static_cast<std::size_t>(config_.num_threads)),
+      workers_(std::make_unique<base::WorkerPool>(config_.num_threads)) {}
 
 InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L) {
   return insert(points, n, stride, nullptr, 0, T_W_L);
@@ -58,14 +46,12 @@ InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_
   InsertStatistics statistics;
   statistics.points = n;
   move_window(T_W_L.translation(), &statistics);
-  ends_.clear();
-  no_return_ends_.clear();
-  collect_points(points, n, stride, T_W_L, &statistics);
-  collect_no_returns(no_return_directions, m, T_W_L);
-  ends_.finish();
+  const ScanFrame frame = frame_of(T_W_L);
+  collect_points(points, n, stride, frame, &statistics);
+  collect_no_returns(no_return_directions, m, T_W_L, frame);
+  sort_ends(points, n, stride, frame);
   cast_rays(to_window(T_W_L.translation()));
-  weigh_crossings();
-  update_blocks(&statistics);
+  update_blocks(frame, &statistics);
   return statistics;
 }
 
@@ -102,120 +88,132 @@ void LocalMap::keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* 
   }
 }
 
-void LocalMap::add_clearing(const geometry::Vec3f& origin, geometry::Vec3f end) {
-  const double share = share_inside(origin.cast<double>(), end.cast<double>(), size_in_voxels(window_));
-  if (share < 1.0) end = origin + static_cast<float>(share) * (end - origin);
-  ends_.add_clearing(end);
+ScanFrame LocalMap::frame_of(const geometry::Pose& T_W_L) const {
+  ScanFrame frame;
+  frame.rotation = (T_W_L.linear() / config_.resolution_m).cast<float>();
+  frame.origin = to_window(T_W_L.translation()).cast<float>();
+  frame.low = Eigen::Array3f::Constant(kBorderVoxels);
+  frame.high = size_in_voxels(window_).array().cast<float>() - kBorderVoxels;
+  frame.nearest_m = static_cast<float>(std::max(config_.min_range_m, kZeroRangeM));
+  frame.farthest_m = static_cast<float>(config_.max_range_m);
+  frame.clear_beyond_range = config_.clear_beyond_range;
+  return frame;
 }
 
-void LocalMap::collect_points(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L,
+void LocalMap::collect_points(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame,
                               InsertStatistics* statistics) {
-  // Single precision from here on: window coordinates stay below 10^4 voxels, where it holds 10^-3 of a voxel.
-  const geometry::Vec3f origin = to_window(T_W_L.translation()).cast<float>();
-  const Eigen::Array3f low = Eigen::Array3f::Constant(kBorderVoxels);
-  const Eigen::Array3f high = size_in_voxels(window_).array().cast<float>() - static_cast<float>(kBorderVoxels);
-  const Eigen::Matrix3f rotation = (T_W_L.linear() / config_.resolution_m).cast<float>();
-  const auto nearest = static_cast<float>(std::max(config_.min_range_m, kZeroRangeM));
-  const auto farthest = static_cast<float>(config_.max_range_m);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Map<const geometry::Vec3f> p_L(points + i * stride);
-    const float squared_range = p_L.squaredNorm();
-    if (!p_L.allFinite()) {
-      ++statistics->rejected_not_finite;
-    } else if (squared_range < nearest * nearest) {
-      ++statistics->rejected_too_near;
-    } else if (squared_range > farthest * farthest) {
-      ++statistics->far;
-      if (config_.clear_beyond_range) add_clearing(origin, origin + rotation * p_L.stableNormalized() * farthest);
-    } else {
-      const geometry::Vec3f end = origin + rotation * p_L;
-      if ((end.array() >= low).all() && (end.array() <= high).all()) {
-        ends_.add_hit(end);
-      } else {
-        ++statistics->outside_window;
-        add_clearing(origin, end);
-      }
-    }
+  const std::size_t num_chunks = (n + ScanPart::kChunk - 1) / ScanPart::kChunk;
+  workers_->run([&](int worker) {
+    const base::Share chunks = base::share_of(num_chunks, worker, workers_->size());
+    const std::size_t begin = chunks.begin * ScanPart::kChunk;
+    ScanPart& part = parts_[static_cast<std::size_t>(worker)];
+    part.clear();
+    part.add(points + begin * stride, std::min(n, chunks.end * ScanPart::kChunk) - begin, stride, frame);
+  });
+  for (const ScanPart& part : parts_) {
+    statistics->rejected_not_finite += part.num_not_finite();
+    statistics->rejected_too_near += part.num_too_near();
+    statistics->far += part.num_far();
+    statistics->outside_window += part.num_outside();
   }
 }
 
-void LocalMap::collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L) {
+void LocalMap::collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L,
+                                  const ScanFrame& frame) {
+  no_return_ends_.clear();
   if (config_.no_return_range_m <= 0.0) return;
-  const geometry::Vec3 origin = to_window(T_W_L.translation());
   const double length = std::min(config_.no_return_range_m, config_.max_range_m) / config_.resolution_m;
   for (std::size_t i = 0; i < m; ++i) {
     const geometry::Vec3 direction = Eigen::Map<const geometry::Vec3f>(directions + 3 * i).cast<double>();
     const double norm = direction.norm();
     if (!std::isfinite(norm) || norm < kZeroRangeM) continue;
-    const geometry::Vec3 end = origin + T_W_L.linear() * direction * (length / norm);
-    const double share = share_inside(origin, end, size_in_voxels(window_));
-    no_return_ends_.push_back((origin + share * (end - origin)).cast<float>());
+    const geometry::Vec3 way = T_W_L.linear() * direction * (length / norm);
+    no_return_ends_.push_back(frame.clipped(frame.origin + way.cast<float>()));
   }
+}
+
+/// The image of the beams and the end voxels do not need each other.
+void LocalMap::sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
+  const auto sort = [&] {
+    ends_.clear();
+    for (const ScanPart& part : parts_) ends_.add(part);
+    ends_.finish();
+  };
+  const auto draw = [&] {
+    beams_.build(points, n, stride, frame.nearest_m, frame.farthest_m, frame.clear_beyond_range);
+  };
+  workers_->run([&](int worker) {
+    if (worker == 0) sort();
+    if (worker == workers_->size() - 1) draw();
+  });
 }
 
 void LocalMap::cast_rays(const geometry::Vec3& origin) {
-  const MissGuard guard{static_cast<float>(config_.guard_sigmas), static_cast<float>(config_.guard_spread_voxels),
-                        static_cast<float>(config_.guard_end_voxels)};
-  // One block more than the longest ray: the sensor may be anywhere in its own block.
-  const int reach = static_cast<int>(std::ceil(config_.max_range_m / block_size(config_))) + 1;
-  box_ = ScanBox(window_.num_blocks(), geometry::index_of(origin, geometry::kBlockSide), reach);
+  geometry::Index3 low = geometry::index_of(origin, geometry::kBlockSide);
+  geometry::Index3 high = low;
+  ends_.widen(&low, &high);
+  for (const geometry::Vec3f& end : no_return_ends_) {
+    const geometry::Index3 at = geometry::index_of(end.cast<double>(), geometry::kBlockSide);
+    low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
+    high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
+  }
+  box_ = ScanBox(window_.num_blocks(), low, high);
   const std::size_t hits = ends_.hits().size();
   const std::size_t clearing = ends_.clearing_ends().size();
-  const std::size_t total = hits + clearing + no_return_ends_.size();
-  const auto work = [&](std::size_t worker) {
-    RayMarker& marker = markers_[worker];
-    marker.begin(window_, ends_, box_, guard, origin);
-    const std::size_t end = total * (worker + 1) / markers_.size();
-    for (std::size_t i = total * worker / markers_.size(); i < end; ++i) {
+  workers_->run([&](int worker) {
+    RayMarks& marks = marks_[static_cast<std::size_t>(worker)];
+    marks.begin(box_);
+    const base::Share share = base::share_of(hits + clearing + no_return_ends_.size(), worker, workers_->size());
+    for (std::size_t i = share.begin; i < share.end; ++i) {
       if (i < hits) {
         const HitVoxel& hit = ends_.hits()[i];
-        marker.cast(ends_.center_of(hit) + hit.points.mean, true);
-      } else if (i < hits + clearing) {
-        marker.cast(ends_.clearing_ends()[i - hits], true);
+        marks.cast(ends_.center_of(hit) + hit.points.mean, origin);
       } else {
-        marker.cast(no_return_ends_[i - hits - clearing], false);
+        marks.cast(i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing],
+                   origin);
       }
     }
-  };
-  std::vector<std::thread> helpers;
-  for (std::size_t worker = 1; worker < markers_.size(); ++worker) helpers.emplace_back(work, worker);
-  work(0);
-  for (std::thread& helper : helpers) helper.join();
-  for (std::size_t worker = 1; worker < markers_.size(); ++worker) markers_[0].merge(markers_[worker]);
+  });
 }
 
-/// Crossings are first all gathered and then judged, so that their order does not matter.
-void LocalMap::weigh_crossings() {
-  through_.clear();
-  const auto& crossings = markers_[0].crossings();
-  for (const RayMarker::Crossing& c : crossings) c.leaf->octants |= c.octants;
-  for (const RayMarker::Crossing& c : crossings) {
-    if (__builtin_popcount(c.leaf->octants) < config_.guard_octants) continue;
-    c.leaf->octants = 0;
-    if (!c.leaf->is_refuted_by_seeing_through(config_.guard_patience)) continue;
-    through_[c.slot][c.offset >> 6] |= std::uint64_t{1} << (c.offset & 63);
+bool LocalMap::is_crossed(std::uint32_t block) const {
+  return std::any_of(marks_.begin(), marks_.end(), [=](const RayMarks& marks) { return marks.is_crossed(block); });
+}
+
+BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight) {
+  const std::uint32_t slot = box_.slot_of(block);
+  const EndVoxels::Range hits = ends_.range(slot);
+  BlockEvidence evidence;
+  for (RayMarks& marks : marks_) {
+    marks.add_to(block, &evidence.passed);
+    marks.clear(block);
   }
+  evidence.first_voxel = box_.first_voxel(block);
+  evidence.hit_bits = ends_.hit_bits(slot);
+  evidence.hits_begin = ends_.hits().data() + hits.begin;
+  evidence.hits_end = ends_.hits().data() + hits.end;
+  return update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, sight, scale_, levels_);
 }
 
-void LocalMap::update_slot(std::uint32_t slot, BlockEvidence evidence, InsertStatistics* statistics) {
-  const auto through = through_.find(slot);
-  if (through != through_.end()) evidence.through = &through->second;
-  const BlockUpdate done =
-      update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, scale_, levels_);
-  statistics->cells_missed += done.missed;
-  statistics->cells_freed += done.became_free;
-  statistics->cells_occupied += done.became_occupied;
-}
-
-/// Every ray crosses its end voxel's block, so the touched blocks are all blocks.
-void LocalMap::update_blocks(InsertStatistics* statistics) {
+/// Every ray crosses its end voxel's block, so the crossed blocks are all blocks.
+void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistics) {
+  const MissGuard guard{static_cast<float>(config_.guard_sigmas), static_cast<float>(config_.guard_spread_voxels),
+                        static_cast<float>(config_.guard_end_voxels), config_.guard_octants, config_.guard_patience};
+  const SurfaceSight sight(beams_, frame, static_cast<float>(config_.resolution_m), guard);
+  std::vector<BlockUpdate> updates(parts_.size());
+  workers_->run([&](int worker) {
+    BlockUpdate sum;
+    const auto step = static_cast<std::uint32_t>(workers_->size());
+    for (auto block = static_cast<std::uint32_t>(worker); block < box_.num_blocks(); block += step) {
+      if (is_crossed(block)) sum += update_slot(block, sight);
+    }
+    updates[static_cast<std::size_t>(worker)] = sum;
+  });
   statistics->cells_hit = ends_.hits().size();
-  for (const std::uint32_t block : markers_[0].touched_blocks()) {
-    const std::uint32_t slot = box_.slot_of(block);
-    const EndVoxels::Range hits = ends_.range(slot);
-    update_slot(slot,
-                {markers_[0].rows(block), nullptr, ends_.hits().data() + hits.begin, ends_.hits().data() + hits.end},
-                statistics);
+  for (const BlockUpdate& update : updates) {
+    statistics->cells_missed += update.missed;
+    statistics->cells_freed += update.became_free;
+    statistics->cells_occupied += update.became_occupied;
   }
 }
 

@@ -2,11 +2,17 @@
 #include "voxnav/occupancy/surface_leaves.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
+
+namespace {
+
+/// std::lrint() is a call without -fno-math-errno; halves away from zero.
+std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + (value < 0.0f ? -0.5f : 0.5f)); }
+
+}  // namespace
 
 void SurfaceLeaf::add_scan(const PointSpread& hits) {
   if (scans < 255) ++scans;
@@ -15,7 +21,7 @@ void SurfaceLeaf::add_scan(const PointSpread& hits) {
   for (int axis = 0; axis < 3; ++axis) {
     const float old = static_cast<float>(mean[axis]) * (0.5f / kMeanUnits);
     moved[axis] = std::clamp(hits.mean[axis], -0.5f, 0.5f) - old;
-    mean[axis] = static_cast<std::int16_t>(std::lrint((old + share * moved[axis]) * (2.0f * kMeanUnits)));
+    mean[axis] = rounded((old + share * moved[axis]) * (2.0f * kMeanUnits));
   }
   int i = 0;
   for (int row = 0; row < 3; ++row) {
@@ -23,7 +29,7 @@ void SurfaceLeaf::add_scan(const PointSpread& hits) {
       // Covariance of a mixture of two sets of points.
       const float old = static_cast<float>(covariance[i]) / kCovarianceUnits;
       const float mixed = (1.0f - share) * (old + share * moved[row] * moved[column]) + share * hits.covariance[i];
-      covariance[i] = static_cast<std::int16_t>(std::lrint(std::clamp(mixed, -0.25f, 0.25f) * kCovarianceUnits));
+      covariance[i] = rounded(std::clamp(mixed, -0.25f, 0.25f) * kCovarianceUnits);
     }
   }
   patience = std::max(patience, seen_through);
@@ -57,7 +63,7 @@ OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block) const {
   OccupiedLeaf leaf;
   leaf.offset = static_cast<std::uint16_t>(offset_in_block);
   for (int axis = 0; axis < 3; ++axis) {
-    leaf.mean[axis] = static_cast<std::int8_t>(std::lrint(static_cast<float>(mean[axis]) * (127.0f / kMeanUnits)));
+    leaf.mean[axis] = static_cast<std::int8_t>(rounded(static_cast<float>(mean[axis]) * (127.0f / kMeanUnits)));
   }
   leaf.hits = scans;
   return leaf;
@@ -70,7 +76,7 @@ void SurfaceLeaves::assign(const VoxelBits& bits) {
   std::size_t count = 0;
   for (int word = 0; word < 64; ++word) {
     first[word] = static_cast<std::uint16_t>(count);
-    count += static_cast<std::size_t>(__builtin_popcountll(bits[word]));
+    count += count_bits(bits[word]);
   }
   packed.reserve(count);
   for (int word = 0; word < 64; ++word) {

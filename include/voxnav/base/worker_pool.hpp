@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace voxnav::base {
+
+/// Threads that wait for work, so that a parallel step of a few hundred microseconds is not spent on starting them.
+/// One caller at a time.
+class WorkerPool {
+ public:
+  /// The caller works too: num_workers - 1 threads are started.
+  explicit WorkerPool(int num_workers);
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  int size() const { return static_cast<int>(threads_.size()) + 1; }
+  /// Calls task(0) .. task(size - 1), one per thread, and returns when all are done. The first exception is thrown
+  /// again here.
+  void run(const std::function<void(int)>& task);
+
+ private:
+  void serve(int worker);
+  void call(const std::function<void(int)>& task, int worker);
+
+  std::mutex mutex_;
+  std::condition_variable start_, done_;
+  const std::function<void(int)>* task_ = nullptr;
+  std::uint64_t round_ = 0;
+  int num_busy_ = 0;
+  bool is_ending_ = false;
+  std::exception_ptr error_;
+  std::vector<std::thread> threads_;
+};
+
+/// Part `worker` of `count` items, split evenly among workers.
+struct Share {
+  std::size_t begin;
+  std::size_t end;
+};
+inline Share share_of(std::size_t count, int worker, int num_workers) {
+  const auto part = [&](int i) { return count * static_cast<std::size_t>(i) / static_cast<std::size_t>(num_workers); };
+  return {part(worker), part(worker + 1)};
+}
+
+}  // namespace voxnav::base

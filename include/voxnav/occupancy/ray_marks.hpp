@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "voxnav/occupancy/scan_box.hpp"
+#include "voxnav/occupancy/surface_leaves.hpp"
+
+namespace voxnav::occupancy {
+
+/// Marks the voxels that the rays of one scan cross. There are three images of the box, one for rays along each axis,
+/// whose words hold 16 voxels in a row along that axis: a ray stays in such a row for several voxels, which are
+/// marked at once, and a box of 10^8 voxels fits the cache. One per thread.
+class RayMarks {
+ public:
+  /// All marks must have been cleared; `box` must outlive the casts.
+  void begin(const ScanBox& box);
+  /// Marks every voxel on the line between two points in the box, both included; voxel edges from the window's corner.
+  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987; here over the
+  /// two shorter axes only, as runs of voxels along the longest.
+  void cast(const geometry::Vec3f& end, const geometry::Vec3& origin);
+
+  bool is_crossed(std::uint32_t block) const {
+    return (images_[0].crossed[block] | images_[1].crossed[block] | images_[2].crossed[block]) != 0;
+  }
+  /// Sets the bits of the crossed voxels of a block.
+  void add_to(std::uint32_t block, VoxelBits* bits) const;
+  void clear(std::uint32_t block);
+  std::size_t memory_bytes() const;
+
+ private:
+  static constexpr std::size_t kRows = geometry::kBlockSide * geometry::kBlockSide;
+  struct Image {
+    std::vector<std::uint16_t> rows;  ///< kRows per block, number b + 16 c where b and c follow the image's axis
+    std::vector<std::uint8_t> crossed;
+  };
+  struct Line;
+  void mark_run(Image* image, const Line& line, std::uint32_t row, int first, int last);
+
+  const ScanBox* box_ = nullptr;
+  std::array<Image, 3> images_;
+};
+
+}  // namespace voxnav::occupancy

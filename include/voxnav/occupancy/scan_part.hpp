@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "voxnav/geometry/voxel.hpp"
+
+namespace voxnav::occupancy {
+
+/// How points of one scan are turned into ends of rays. Window coordinates: voxel edges from the window's corner, in
+/// single precision, which holds 10^-3 of a voxel up to 10^4 voxels.
+struct ScanFrame {
+  Eigen::Matrix3f rotation;  ///< metres of frame L to voxel edges along the window's axes
+  geometry::Vec3f origin;    ///< the sensor in window coordinates
+  Eigen::Array3f low, high;  ///< ends of rays lie in here
+  float nearest_m;
+  float farthest_m;
+  bool clear_beyond_range;
+
+  bool contains(const geometry::Vec3f& end) const { return (end.array() >= low).all() && (end.array() <= high).all(); }
+  /// The last point inside the window on the way from the sensor to `end`.
+  geometry::Vec3f clipped(const geometry::Vec3f& end) const;
+};
+
+/// Sums of points and their products, from the centre of their voxel.
+struct PointSum {
+  Eigen::Array4f first = Eigen::Array4f::Zero();   ///< x y z 1
+  Eigen::Array4f second = Eigen::Array4f::Zero();  ///< xx xy xz x
+  Eigen::Array4f third = Eigen::Array4f::Zero();   ///< xy yy yz y
+  float zz = 0.0f;
+
+  void add(const geometry::Vec3f& p) {
+    const Eigen::Array4f row(p.x(), p.y(), p.z(), 1.0f);
+    first += row;
+    second += p.x() * row;
+    third += p.y() * row;
+    zz += p.z() * p.z();
+  }
+  void add(const PointSum& other) {
+    first += other.first;
+    second += other.second;
+    third += other.third;
+    zz += other.zz;
+  }
+};
+
+/// Points of one voxel that came one after the other: neighbouring beams mostly end together, so most of the sorting
+/// is done before any voxel is looked up.
+struct EndRun {
+  PointSum sum;
+  geometry::Index3 voxel;
+};
+
+/// What one thread made of its part of a scan.
+class ScanPart {
+ public:
+  void clear();
+  /// n points, x y z first in every `stride` floats. Runs end every kChunk points, so that sums do not depend on how
+  /// a scan is split, as long as parts begin at multiples of kChunk.
+  void add(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
+  static constexpr std::size_t kChunk = 1024;
+
+  const std::vector<EndRun>& runs() const { return runs_; }
+  /// Ends of beams that went on behind them.
+  const std::vector<geometry::Vec3f>& clearing_ends() const { return clearing_ends_; }
+  std::size_t num_not_finite() const { return num_not_finite_; }
+  std::size_t num_too_near() const { return num_too_near_; }
+  std::size_t num_far() const { return num_far_; }
+  std::size_t num_outside() const { return num_outside_; }
+  std::size_t memory_bytes() const {
+    return runs_.capacity() * sizeof(EndRun) + clearing_ends_.capacity() * sizeof(geometry::Vec3f);
+  }
+
+ private:
+  void add_chunk(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
+  void add_odd(const geometry::Vec3f& p_L, const ScanFrame& frame);
+
+  std::vector<EndRun> runs_;
+  std::vector<geometry::Vec3f> clearing_ends_;
+  std::size_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_outside_ = 0;
+};
+
+}  // namespace voxnav::occupancy
