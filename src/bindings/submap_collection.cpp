@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 
@@ -56,6 +57,31 @@ py::array_t<double> distance(SubmapCollection& collection, const py::array& poin
     }
   }
   return array_from(std::move(out), 0);
+}
+
+py::array_t<double> gradient(SubmapCollection& collection, const py::array& points_W, double max_distance_m) {
+  const float* p = data_of<float>(points_W, "points_W", {-1, 3});
+  std::vector<double> out(3 * static_cast<std::size_t>(points_W.shape(0)), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < out.size(); i += 3) {
+    const auto slope = collection.gradient({p[i], p[i + 1], p[i + 2]}, max_distance_m);
+    if (slope) std::copy_n(slope->data(), 3, &out[i]);
+  }
+  return array_from(std::move(out), 3);
+}
+
+py::list changes(SubmapCollection& collection, std::size_t min_voxels) {
+  py::list out;
+  for (const submap::SceneChange& change : collection.changes(min_voxels)) {
+    py::dict item;
+    item["kind"] = change.kind == submap::SceneChange::Kind::kAppeared ? "appeared" : "disappeared";
+    item["center"] = py::make_tuple(change.center_W.x(), change.center_W.y(), change.center_W.z());
+    item["box_min"] = py::make_tuple(change.box_W.min.x(), change.box_W.min.y(), change.box_W.min.z());
+    item["box_max"] = py::make_tuple(change.box_W.max.x(), change.box_W.max.y(), change.box_W.max.z());
+    item["voxels"] = change.num_voxels;
+    item["submap"] = change.submap_id;
+    out.append(item);
+  }
+  return out;
 }
 
 py::array_t<std::int8_t> states(SubmapCollection& collection, const py::array& points_W) {
@@ -146,6 +172,18 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
            "The same as StateGrid: occupied = too near, free = known free beyond, else unknown.")
       .def("distance", &distance, py::arg("points_W"), py::arg("max_distance_m") = 10.0,
            "(n,) float64 distance [m] to the nearest believed surface point, NaN where W is unknown.")
+      .def("gradient", &gradient, py::arg("points_W"), py::arg("max_distance_m") = 10.0,
+           "(n, 3) float64 unit vectors away from that surface; zero beyond max_distance_m, NaN where W is unknown.")
+      .def(
+          "cast_ray",
+          [](SubmapCollection& c, const py::object& a_W, const py::object& b_W) {
+            const auto ray = c.cast_ray(vec3_of(a_W, "a_W"), vec3_of(b_W, "b_W"));
+            return py::make_tuple(static_cast<int>(ray.state), ray.distance_m);
+          },
+          py::arg("a_W"), py::arg("b_W"),
+          "(state, distance [m]) of the first voxel from a to b that is not known to be free; (1, length) if all is.")
+      .def("changes", &changes, py::arg("min_voxels") = 10,
+           "Things that came or went between submaps: dicts kind, center, box_min, box_max [m, W], voxels, submap.")
       .def("states", &states, py::arg("points_W"), "(n,) int8 states (0 unknown, 1 free, 2 occupied).")
       .def("mesh", &colored_mesh, "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8), frame W.")
       .def("save_mesh", &save_mesh, py::arg("path"), "Binary PLY, one colour per submap.");
@@ -172,7 +210,15 @@ void bind_submap_collection(py::module_& m) {
           py::arg("id"))
       .def("remove", &SubmapCollection::remove, py::arg("id"))
       .def("__len__", &SubmapCollection::size)
+      .def(
+          "merge",
+          [](SubmapCollection& c, const SubmapCollection& other, const py::array& T_W_other) {
+            return c.merge(other, pose_of(T_W_other, "T_W_other"));
+          },
+          py::arg("other"), py::arg("T_W_other"),
+          "Takes the submaps of another flight over; returns what was added to their ids.")
       .def_property_readonly("memory_bytes", &SubmapCollection::memory_bytes)
+      .def_property_readonly("num_resident", &SubmapCollection::num_resident, "Submaps in memory; others are on disk.")
       .def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
            "Versioned and checksummed; a crash during a save leaves the state before.")
       .def_static("load", &load, py::arg("dir"), py::arg("recover") = false,

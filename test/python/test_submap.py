@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -174,3 +177,74 @@ def test_from_local_map_keeps_every_surface_of_the_map():
     assert np.abs(distance).max() < 1.5 * VOXEL
     on_surface = u.distance(u.surface_points())
     assert np.abs(on_surface).max() < 0.5 * VOXEL and np.abs(on_surface.mean()) < 0.1 * VOXEL
+
+
+def test_queries_over_all_submaps():
+    c = voxnav.SubmapCollection()
+    c.add(1, submap(), np.eye(4))
+    c.add(2, submap(), pose(30, 0, 0))
+    points = np.array([[0.2, 0.2, 5.0], [30.2, 0.2, 5.0], [100, 0, 0]], np.float32)
+    gradient = c.gradient(points)
+    np.testing.assert_allclose(gradient[:2, 2], 1.0, atol=0.1)
+    assert np.isnan(gradient[2]).all()
+    state, distance = c.cast_ray((-5.0, 0.0, 1.4), (5.0, 0.0, 1.4))
+    assert state == 2 and abs(distance - 3.0) < 0.41
+    assert c.cast_ray((-5.0, 0.0, 5.0), (5.0, 0.0, 5.0)) == (1, 10.0)
+    assert c.cast_ray((-5.0, 0.0, 5.0), (-50.0, 0.0, 5.0))[0] == 0
+
+
+def test_what_drove_away_is_listed():
+    c = voxnav.SubmapCollection()
+    c.add(1, submap(True), np.eye(4), stamp=1.0)
+    c.add(2, submap(False), pose(0.02, 0.03, 0.0), stamp=2.0)
+    (change,) = c.changes()
+    assert change["kind"] == "disappeared" and change["submap"] == 2 and change["voxels"] > 50
+    np.testing.assert_allclose(change["center"], (-1.0, -1.0, 1.4), atol=0.5)
+
+
+def test_two_flights_are_merged():
+    a, b = voxnav.SubmapCollection(), voxnav.SubmapCollection()
+    a.add(3, submap(), np.eye(4))
+    b.add(3, submap(), pose(1, 0, 0))
+    assert a.merge(b, pose(50, 0, 0)) == 4
+    np.testing.assert_allclose(a.poses()[7][:3, 3], (51, 0, 0))
+    assert len(a.occupied_points()) == 2 * len(b.occupied_points())
+
+
+def test_a_bounded_share_of_the_map_stays_in_memory(tmp_path):
+    config = voxnav.SubmapCollectionConfig(page_dir=str(tmp_path), max_resident_mb=1.0)
+    paged, whole = voxnav.SubmapCollection(config), voxnav.SubmapCollection()
+    one = submap()
+    for i in range(60):
+        for c in (paged, whole):
+            c.add(i, voxnav.Submap.from_bytes(one.to_bytes()), pose(20 * i, 0, 0))
+            c.obstacles(1.0)
+    assert paged.num_resident < 60 == whole.num_resident
+    np.testing.assert_array_equal(paged.occupied_points(), whole.occupied_points())
+
+
+SAVER = """
+import sys, voxnav
+c = voxnav.SubmapCollection.load(sys.argv[1])
+while True:
+    c.save(sys.argv[1])
+    print(len(c), flush=True)
+    c.add(len(c) + 1, c.submap(1), c.poses()[1], stamp=float(len(c)))
+"""
+
+
+@pytest.mark.parametrize("saves", [1, 2, 5, 9])
+def test_killed_while_saving_leaves_a_whole_map(tmp_path, saves):
+    directory = str(tmp_path / "map")
+    c = voxnav.SubmapCollection()
+    c.add(1, submap(), pose(1, 2, 3, 0.1))
+    c.save(directory)
+    saver = subprocess.Popen([sys.executable, "-c", SAVER, directory], stdout=subprocess.PIPE)
+    for _ in range(saves):
+        done = int(saver.stdout.readline())
+    saver.kill()
+    saver.wait()
+    saver.stdout.close()
+    copy = voxnav.SubmapCollection.load(directory)
+    assert len(copy) >= done
+    np.testing.assert_array_equal(copy.submap(1).occupied_points(), c.submap(1).occupied_points())

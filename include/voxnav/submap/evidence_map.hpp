@@ -13,6 +13,13 @@ namespace voxnav::submap {
 struct EvidenceBlock {
   ColumnBlock states;                ///< occupied exactly where a leaf is, and not free there
   std::vector<EvidenceLeaf> leaves;  ///< in the order in which submaps gave them
+  std::vector<EvidenceLeaf> gone;    ///< taken away by a submap that saw free space; its id. One per voxel, the last
+};
+
+/// A surface point of the map and how far it is.
+struct NearestSurface {
+  geometry::Vec3 point_W;
+  double distance_m;
 };
 
 /// What all submaps together say about W, one block of 16^3 voxels at a time, oldest submap first: newer surface points
@@ -33,13 +40,16 @@ class EvidenceMap {
   containers::State state(const geometry::Vec3& p_W) const;
   /// Position of a leaf in W.
   geometry::Vec3 point_of(const geometry::Index3& block, const EvidenceLeaf& leaf) const;
-  /// Distance to the nearest believed surface point within max_distance_m; exact.
+  /// Nearest believed surface point within max_distance_m; exact. O(blocks within reach), whatever the map's size.
+  std::optional<NearestSurface> nearest_surface(const geometry::Vec3& p_W, double max_distance_m) const;
+  /// Its distance alone.
   std::optional<double> distance_to_surface(const geometry::Vec3& p_W, double max_distance_m) const;
   std::size_t memory_bytes() const;
 
  private:
   void drop_cleared(const geometry::Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const;
   void take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const;
+  static void remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block);
 
   double resolution_m_;
   double clearing_distance_m_;

@@ -16,6 +16,7 @@ struct EvidenceLeaf {
   std::uint16_t offset;             ///< geometry::offset_in_block() of its voxel
   std::array<std::int8_t, 3> mean;  ///< from the voxel centre, unit voxel edge / 254
   std::uint32_t submap_id;
+  bool is_new = false;  ///< an older submap had seen free space here
 };
 
 /// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
@@ -24,6 +25,7 @@ class PlacedSubmap {
  public:
   PlacedSubmap(const Submap& submap, std::uint32_t id, const geometry::Pose& T_W_S, double resolution_m);
 
+  std::uint32_t id() const { return id_; }
   /// Sets the voxels of a block of W whose centre the submap knows to be free.
   void add_free(const geometry::Index3& block, Columns* free) const;
   /// Surface points inside a block of W, in the order in which the submap keeps them.
@@ -43,7 +45,7 @@ class PlacedSubmap {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  void sort_leaves(std::uint32_t id);
+  void sort_leaves();
   const ColumnBlock* states_of(const geometry::Index3& block_G) const;
   bool has_occupied_around(const geometry::Index3& voxel_G, int reach) const;
   void add_free_level(const geometry::Index3& block, Columns* free) const;
@@ -51,6 +53,7 @@ class PlacedSubmap {
 
   std::shared_ptr<const CompressedField> field_;
   double submap_resolution_m_;
+  std::uint32_t id_;
   double resolution_m_;
   geometry::Pose T_W_G_;
   geometry::Pose T_G_W_;

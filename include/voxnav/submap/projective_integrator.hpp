@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "voxnav/submap/submap.hpp"
+#include "voxnav/submap/voxel_table.hpp"
 
 namespace voxnav::submap {
 
@@ -79,24 +79,29 @@ class ProjectiveIntegrator {
   std::shared_ptr<Submap> finish(const SubmapConfig& config, const geometry::Pose& T_S_G = geometry::Pose::Identity());
 
  private:
-  struct Block {
-    std::array<float, geometry::kBlockVolume> distance{};  ///< m
-    std::array<float, geometry::kBlockVolume> weight{};
-    std::array<std::uint32_t, geometry::kBlockVolume> seen{};  ///< number of the last scan
+  struct Voxel {
+    float distance = 0.f;  ///< m
+    float weight = 0.f;
+    std::uint32_t mark = 0;  ///< number of the last scan that came here, and what it did: kSeen, kEnd
   };
+  using Block = std::array<Voxel, geometry::kBlockVolume>;
+  static constexpr std::uint32_t kSeen = 1;  ///< a ray went through
+  static constexpr std::uint32_t kEnd = 2;   ///< a point lies here
   struct Ray {
     geometry::Vec3 end;
     float weight;
     bool is_clearing;
   };
-  using VoxelSet = std::unordered_set<geometry::Index3, geometry::Index3Hash>;
 
   std::vector<Ray> rays_of(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L,
                            Counts* counts) const;
-  std::vector<Ray> merged(const std::vector<Ray>& rays) const;
-  std::vector<Ray> thinned(const std::vector<Ray>& rays) const;
+  void merge(std::vector<Ray>* rays);
+  void thin(std::vector<Ray>* rays);
+  void mark_ends(const std::vector<Ray>& rays);
   void cast(const geometry::Vec3& origin, const Ray& ray, Counts* counts);
-  bool update(const geometry::Index3& index, double distance, float weight, Counts* counts);
+  enum class Visit { kRefused, kLeftAlone, kNew, kSeen };
+  Visit update(double distance, float weight, bool is_own_end, Voxel* voxel) const;
+  void fuse(float distance, float weight, Voxel* voxel) const;
   Block* open(const geometry::Index3& block);
   FilledBlock fill(const geometry::Index3& index, const Block& block) const;
   bool observed(const geometry::Index3& index, float* distance) const;
@@ -105,8 +110,8 @@ class ProjectiveIntegrator {
 
   ProjectiveConfig config_;
   std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
-  VoxelSet ends_;
-  std::uint32_t scan_ = 0;
+  VoxelTable groups_;
+  std::uint32_t scan_ = 0;  ///< 30 bits, never 0
 };
 
 }  // namespace voxnav::submap

@@ -9,6 +9,7 @@
 
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/submap/obstacle_map.hpp"
+#include "voxnav/submap/scene_changes.hpp"
 #include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {
@@ -19,6 +20,8 @@ struct SubmapCollectionConfig {
   double pose_tolerance_m = 0.02;
   int max_submaps = 5000;
   double max_memory_mb = 2000.0;
+  double max_resident_mb = 100.0;
+  std::string page_dir = "";
 
   template <class V>
   static void fields(V&& v) {
@@ -31,6 +34,10 @@ struct SubmapCollectionConfig {
       "the oldest submap is dropped beyond");
     v("max_memory_mb", &SubmapCollectionConfig::max_memory_mb, base::in(1.0, 1e6), "MB",
       "the oldest submap is dropped while submaps take more");
+    v("max_resident_mb", &SubmapCollectionConfig::max_resident_mb, base::in(1.0, 1e6), "MB",
+      "submaps beyond rest in page_dir, those not used for longest first");
+    v("page_dir", &SubmapCollectionConfig::page_dir, base::any(), "",
+      "where submaps rest that are not in memory; empty = all stay in memory");
   }
 };
 
@@ -76,6 +83,23 @@ class SubmapCollection {
   containers::State state(const geometry::Vec3& p_W);
   /// Distance to the nearest believed surface, at most max_distance_m; nothing where W is unknown.
   std::optional<double> distance(const geometry::Vec3& p_W, double max_distance_m);
+  /// Unit vector away from that surface, zero when none is that near; nothing where W is unknown.
+  std::optional<geometry::Vec3> gradient(const geometry::Vec3& p_W, double max_distance_m);
+  /// First voxel on the way from a to b that is not known to be free.
+  struct Ray {
+    containers::State state = containers::State::kFree;  ///< free = all of the way is
+    double distance_m = 0.0;                             ///< from a to that voxel, or to b
+  };
+  /// @throws std::invalid_argument unless both ends are finite and less than 10 km apart
+  Ray cast_ray(const geometry::Vec3& a_W, const geometry::Vec3& b_W);
+  /// Things that came or went between submaps.
+  std::vector<SceneChange> changes(std::size_t min_voxels = 10);
+
+  /// Takes the submaps of another flight over; their ids are shifted behind the ones here.
+  /// @return what was added to their ids  @throws std::invalid_argument on another resolution or an invalid pose
+  std::uint32_t merge(const SubmapCollection& other, const geometry::Pose& T_W_other);
+  /// Submaps in memory; others rest in page_dir.
+  std::size_t num_resident() const;
 
   const SubmapCollectionConfig& config() const { return config_; }
   std::size_t memory_bytes() const;
@@ -94,12 +118,15 @@ class SubmapCollection {
     geometry::Pose merged_T_W_S = geometry::Pose::Identity();
     bool is_merged = false;
     std::vector<geometry::Index3> blocks;  ///< footprint where it is merged
+    std::size_t bytes = 0;                 ///< of the submap when it came
+    std::uint64_t last_used = 0;
   };
   Record* record(std::uint32_t id);
   bool has_moved(const Record& record) const;
   void forget(Record* record, std::vector<geometry::Index3>* stale);
   void append(const Key& key, Record* record);
-  void merge(const std::map<Key, std::vector<geometry::Index3>>& work);
+  void integrate(const std::map<Key, std::vector<geometry::Index3>>& work);
+  void page_out();
   void enforce_limits();
 
   SubmapCollectionConfig config_;
@@ -109,6 +136,7 @@ class SubmapCollection {
   std::unordered_map<geometry::Index3, std::vector<Key>, geometry::Index3Hash> by_block_;  ///< merged, oldest first
   std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
   std::size_t submap_bytes_ = 0;
+  std::uint64_t num_uses_ = 0;
   std::uint64_t num_dropped_ = 0;
 };
 

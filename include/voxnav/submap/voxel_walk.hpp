@@ -18,32 +18,46 @@ inline geometry::Index3 floor_index(const geometry::Vec3& p) {
   return {floor(p.x()), floor(p.y()), floor(p.z())};
 }
 
-/// Calls visit(voxel) for every voxel of the segment from a to b (in voxel edges), in order; stops when it returns
-/// false. The number of steps is counted in integers, so rounding can neither overshoot nor loop.
-/// Source: Amanatides & Woo 1987.
-template <class F>
-void walk_voxels(const geometry::Vec3& a, const geometry::Vec3& b, F&& visit) {
-  geometry::Index3 at = geometry::index_of(a, 1.0);
-  const geometry::Index3 end = geometry::index_of(b, 1.0);
-  const geometry::Vec3 d = b - a;
-  const double start[3] = {a.x(), a.y(), a.z()};
-  std::int32_t* index[3] = {&at.x, &at.y, &at.z};
-  int remaining[3] = {std::abs(end.x - at.x), std::abs(end.y - at.y), std::abs(end.z - at.z)};
-  double next[3];
-  double delta[3];
-  int step[3];
-  for (int k = 0; k < 3; ++k) {
-    step[k] = d[k] > 0.0 ? 1 : -1;
-    delta[k] = d[k] != 0.0 ? 1.0 / std::abs(d[k]) : std::numeric_limits<double>::infinity();
-    const double boundary = *index[k] + (step[k] > 0 ? 1.0 : 0.0);
-    next[k] = remaining[k] > 0 ? (boundary - start[k]) / d[k] : std::numeric_limits<double>::infinity();
+/// The voxels of the segment from a to b (in voxel edges), in order. The number of steps is counted in integers, so
+/// rounding can neither overshoot nor loop. Source: Amanatides & Woo 1987.
+class VoxelWalk {
+ public:
+  VoxelWalk(const geometry::Vec3& a, const geometry::Vec3& b) : index_(floor_index(a)) {
+    const geometry::Index3 end = floor_index(b);
+    const geometry::Vec3 d = b - a;
+    const std::int32_t first[3] = {index_.x, index_.y, index_.z};
+    const std::int32_t last[3] = {end.x, end.y, end.z};
+    for (int k = 0; k < 3; ++k) {
+      remaining_[k] = std::abs(last[k] - first[k]);
+      step_[k] = d[k] > 0.0 ? 1 : -1;
+      delta_[k] = d[k] != 0.0 ? 1.0 / std::abs(d[k]) : kNever;
+      const double boundary = first[k] + (step_[k] > 0 ? 1.0 : 0.0);
+      next_[k] = remaining_[k] > 0 ? (boundary - a[k]) / d[k] : kNever;
+    }
   }
-  while (visit(at)) {
-    const int k = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
-    if (remaining[k] == 0) return;
-    *index[k] += step[k];
-    next[k] = --remaining[k] > 0 ? next[k] + delta[k] : std::numeric_limits<double>::infinity();
+
+  const geometry::Index3& index() const { return index_; }
+  int step(int axis) const { return step_[axis]; }
+  /// Where the voxel was entered, as a share of the way, 0 to 1.
+  double entered() const { return entered_; }
+  /// To the next voxel. @return the axis along which it went, -1 at the end
+  int advance() {
+    const int k = next_[0] <= next_[1] ? (next_[0] <= next_[2] ? 0 : 2) : (next_[1] <= next_[2] ? 1 : 2);
+    if (remaining_[k] == 0) return -1;
+    entered_ = next_[k];
+    (k == 0 ? index_.x : k == 1 ? index_.y : index_.z) += step_[k];
+    next_[k] = --remaining_[k] > 0 ? next_[k] + delta_[k] : kNever;
+    return k;
   }
-}
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  geometry::Index3 index_;
+  int remaining_[3];
+  int step_[3];
+  double next_[3];
+  double delta_[3];
+  double entered_ = 0.0;
+};
 
 }  // namespace voxnav::submap

@@ -27,35 +27,51 @@ EvidenceMap::EvidenceMap(double resolution_m, double clearing_distance_m)
 void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
   EvidenceBlock& block = blocks_[index];
   drop_cleared(index, submap, &block);
-  submap.add_free(index, &block.states.free);
   take_leaves(submap.leaves(index), &block);
+  submap.add_free(index, &block.states.free);
   block.states.occupied.fill(0);
   for (const EvidenceLeaf& leaf : block.leaves) {
     block.states.occupied[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
   }
   // Under a leaf nothing is free, also not once a newer submap has taken the leaf away: that submap has to say so.
   for (std::size_t i = 0; i < block.states.free.size(); ++i) block.states.free[i] &= ~block.states.occupied[i];
-  if (block.leaves.empty() && block.states.all_unknown()) blocks_.erase(index);
+  if (block.leaves.empty() && block.gone.empty() && block.states.all_unknown()) blocks_.erase(index);
 }
 
 void EvidenceMap::drop_cleared(const Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const {
   const auto is_gone = [&](const EvidenceLeaf& leaf) {
-    return submap.clears(point_of(index, leaf), clearing_distance_m_);
+    if (!submap.clears(point_of(index, leaf), clearing_distance_m_)) return false;
+    remember_gone(leaf, submap.id(), block);
+    return true;
   };
   block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_gone), block->leaves.end());
+}
+
+void EvidenceMap::remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block) {
+  const auto same = std::find_if(block->gone.begin(), block->gone.end(),
+                                 [&](const EvidenceLeaf& other) { return other.offset == leaf.offset; });
+  if (same == block->gone.end()) block->gone.push_back(leaf);
+  EvidenceLeaf& kept = same == block->gone.end() ? block->gone.back() : *same;
+  kept = leaf;
+  kept.submap_id = by;
 }
 
 /// Newer points replace the older ones of their voxel.
 void EvidenceMap::take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const {
   if (leaves.first == leaves.last) return;
+  const auto has = [](const Columns& columns, const EvidenceLeaf& leaf) {
+    return ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1) != 0;
+  };
   Columns seen{};
   for (const EvidenceLeaf& leaf : leaves)
     seen[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
-  const auto is_replaced = [&](const EvidenceLeaf& leaf) {
-    return (seen[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1;
-  };
+  const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(seen, leaf); };
   block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_replaced), block->leaves.end());
-  block->leaves.insert(block->leaves.end(), leaves.begin(), leaves.end());
+  block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
+  for (EvidenceLeaf leaf : leaves) {
+    leaf.is_new = has(block->states.free, leaf);
+    block->leaves.push_back(leaf);
+  }
 }
 
 const EvidenceBlock* EvidenceMap::find(const Index3& block) const {
@@ -76,35 +92,46 @@ Vec3 EvidenceMap::point_of(const Index3& block, const EvidenceLeaf& leaf) const 
 }
 
 std::optional<double> EvidenceMap::distance_to_surface(const Vec3& p_W, double max_distance_m) const {
+  const auto nearest = nearest_surface(p_W, max_distance_m);
+  if (!nearest) return std::nullopt;
+  return nearest->distance_m;
+}
+
+std::optional<NearestSurface> EvidenceMap::nearest_surface(const Vec3& p_W, double max_distance_m) const {
+  if (!((p_W.array().abs() / resolution_m_) < 1073741824.0).all()) return std::nullopt;
   const double side_m = kBlockSide * resolution_m_;
-  double best = max_distance_m * max_distance_m;
-  bool found = false;
+  const double limit = max_distance_m * max_distance_m;
+  NearestSurface best{Vec3::Zero(), limit};  // squared until the end
+  const auto search = [&](const Index3& index) {
+    const geometry::Aabb box = block_box(index, side_m);
+    if ((p_W - p_W.cwiseMax(box.min).cwiseMin(box.max)).squaredNorm() >= best.distance_m) return;
+    const EvidenceBlock* block = find(index);
+    if (!block) return;
+    for (const EvidenceLeaf& leaf : block->leaves) {
+      const Vec3 point = point_of(index, leaf);
+      const double squared = (p_W - point).squaredNorm();
+      if (squared < best.distance_m) best = {point, squared};
+    }
+  };
+  // The block of the point first: what it holds rules most of the others out.
+  search(geometry::index_of(p_W, side_m));
   const Index3 low = geometry::index_of(p_W - Vec3::Constant(max_distance_m), side_m);
   const Index3 high = geometry::index_of(p_W + Vec3::Constant(max_distance_m), side_m);
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) {
-        const geometry::Aabb box = block_box({x, y, z}, side_m);
-        if ((p_W - p_W.cwiseMax(box.min).cwiseMin(box.max)).squaredNorm() >= best) continue;
-        const EvidenceBlock* block = find({x, y, z});
-        if (!block) continue;
-        for (const EvidenceLeaf& leaf : block->leaves) {
-          const double squared = (p_W - point_of({x, y, z}, leaf)).squaredNorm();
-          if (squared >= best) continue;
-          best = squared;
-          found = true;
-        }
-      }
+      for (int x = low.x; x <= high.x; ++x) search({x, y, z});
     }
   }
-  if (!found) return std::nullopt;
-  return std::sqrt(best);
+  if (!(best.distance_m < limit)) return std::nullopt;
+  best.distance_m = std::sqrt(best.distance_m);
+  return best;
 }
 
 std::size_t EvidenceMap::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + blocks_.bucket_count() * sizeof(void*);
   for (const auto& entry : blocks_) {
-    bytes += sizeof(entry) + 2 * sizeof(void*) + entry.second.leaves.capacity() * sizeof(EvidenceLeaf);
+    bytes += sizeof(entry) + 2 * sizeof(void*) +
+             (entry.second.leaves.capacity() + entry.second.gone.capacity()) * sizeof(EvidenceLeaf);
   }
   return bytes;
 }

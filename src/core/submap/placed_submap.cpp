@@ -30,16 +30,17 @@ bool turns_about_vertical(const Pose& T) {
 PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m)
     : field_(submap.field()),
       submap_resolution_m_(submap.resolution_m()),
+      id_(id),
       resolution_m_(resolution_m),
       T_W_G_(T_W_S * submap.T_S_G()),
       T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
       is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
   states_.resize(field_->num_blocks());
   for (std::size_t i = 0; i < states_.size(); ++i) states_[i] = field_->columns(i);
-  sort_leaves(id);
+  sort_leaves();
 }
 
-void PlacedSubmap::sort_leaves(std::uint32_t id) {
+void PlacedSubmap::sort_leaves() {
   struct Placed {
     Group* group;
     EvidenceLeaf leaf;
@@ -59,7 +60,7 @@ void PlacedSubmap::sort_leaves(std::uint32_t id) {
     ++group->count;
     const Vec3 mean = p - geometry::center_of(at, 1.0);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
-    placed.push_back({group, {offset, {mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())}, id}});
+    placed.push_back({group, {offset, {mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())}, id_, false}});
   });
   std::uint32_t next = 0;
   for (auto& item : groups_) {

@@ -55,8 +55,8 @@ FilledBlock ProjectiveIntegrator::fill(const Index3& index, const Block& block) 
   const auto saturated = static_cast<float>(0.999 * config_.truncation_m);
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     const auto i = static_cast<std::size_t>(offset);
-    const float distance = block.distance[i];
-    if (!(block.weight[i] >= config_.min_weight)) continue;
+    const float distance = block[i].distance;
+    if (!(block[i].weight >= config_.min_weight)) continue;
     if (std::abs(distance) < saturated) out.values[i] = distance / v;
     const Index3 voxel = geometry::voxel_at(index, offset);
     Vec3f slope = Vec3f::Zero();
@@ -72,7 +72,7 @@ FilledBlock ProjectiveIntegrator::fill(const Index3& index, const Block& block) 
       leaf.offset = static_cast<std::uint16_t>(offset);
       for (int k = 0; k < 3; ++k)
         leaf.mean[static_cast<std::size_t>(k)] = static_cast<std::int8_t>(std::lround(foot[k] * 254.f));
-      leaf.hits = static_cast<std::uint8_t>(std::min(255.f, std::ceil(block.weight[i])));
+      leaf.hits = static_cast<std::uint8_t>(std::min(255.f, std::ceil(block[i].weight)));
       leaf.normal = has_slope ? Vec3f(slope.normalized()) : Vec3f::Zero();
       leaf.quality = has_slope ? kPlanarQuality : 0.f;
       out.leaves.push_back(leaf);

@@ -35,16 +35,11 @@ ProjectiveIntegrator::Counts ProjectiveIntegrator::integrate(const std::vector<g
   if (T_S_L.translation().cwiseAbs().maxCoeff() > 1e6) throw std::invalid_argument("T_S_L is farther than 1000 km");
   Counts counts;
   counts.points = points_L.size();
-  ++scan_;
+  scan_ = scan_ % 0x3FFFFFFFu + 1;
   std::vector<Ray> rays = rays_of(points_L, T_S_L, &counts);
-  ends_.clear();
-  if (config_.use_anti_grazing) {
-    for (const Ray& ray : rays) {
-      if (!ray.is_clearing) ends_.insert(geometry::index_of(ray.end, config_.resolution_m));
-    }
-  }
-  if (config_.rule == "merged") rays = merged(rays);
-  if (config_.rule == "fast") rays = thinned(rays);
+  if (config_.use_anti_grazing) mark_ends(rays);
+  if (config_.rule == "merged") merge(&rays);
+  if (config_.rule == "fast") thin(&rays);
   for (const Ray& ray : rays) cast(T_S_L.translation(), ray, &counts);
   counts.rays = rays.size();
   return counts;
@@ -70,76 +65,102 @@ std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::rays_of(const std::
 }
 
 /// One ray per end voxel: weighted mean point and summed weight; of clearing rays the first one stands for all.
-std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::merged(const std::vector<Ray>& rays) const {
-  std::unordered_map<Index3, std::size_t, geometry::Index3Hash> groups[2];
+void ProjectiveIntegrator::merge(std::vector<Ray>* rays) {
   std::vector<Ray> out;  // in order of first points, so that the result is deterministic
-  for (const Ray& ray : rays) {
-    auto& group = groups[ray.is_clearing ? 1 : 0];
-    const auto found = group.try_emplace(geometry::index_of(ray.end, config_.resolution_m), out.size());
-    if (found.second) {
-      out.push_back(ray);
-    } else if (!ray.is_clearing) {
-      Ray& mean = out[found.first->second];
-      const double ratio = ray.weight / (mean.weight + ray.weight);
-      mean.end += ratio * (ray.end - mean.end);
-      mean.weight += ray.weight;
+  for (const bool is_clearing : {false, true}) {
+    groups_.reset(rays->size());
+    for (const Ray& ray : *rays) {
+      if (ray.is_clearing != is_clearing) continue;
+      const auto next = static_cast<std::uint32_t>(out.size());
+      const std::uint32_t group = groups_.insert(floor_index(ray.end / config_.resolution_m), next);
+      if (group == next) {
+        out.push_back(ray);
+      } else if (!is_clearing) {
+        Ray& mean = out[group];
+        const double ratio = ray.weight / (mean.weight + ray.weight);
+        mean.end += ratio * (ray.end - mean.end);
+        mean.weight += ray.weight;
+      }
     }
   }
-  return out;
+  rays->swap(out);
 }
 
 /// The first ray of each cell of half a voxel.
-std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::thinned(const std::vector<Ray>& rays) const {
-  VoxelSet taken;
+void ProjectiveIntegrator::thin(std::vector<Ray>* rays) {
+  groups_.reset(rays->size());
   std::vector<Ray> out;
-  for (const Ray& ray : rays) {
-    if (taken.insert(geometry::index_of(ray.end, 0.5 * config_.resolution_m)).second) out.push_back(ray);
+  for (const Ray& ray : *rays) {
+    const auto next = static_cast<std::uint32_t>(out.size());
+    if (groups_.insert(floor_index(ray.end / (0.5 * config_.resolution_m)), next) == next) out.push_back(ray);
   }
-  return out;
+  rays->swap(out);
+}
+
+void ProjectiveIntegrator::mark_ends(const std::vector<Ray>& rays) {
+  for (const Ray& ray : rays) {
+    if (ray.is_clearing) continue;
+    const Index3 voxel = floor_index(ray.end / config_.resolution_m);
+    Block* block = open(geometry::block_of(voxel));
+    if (block) (*block)[static_cast<std::size_t>(geometry::offset_in_block(voxel))].mark = (scan_ << 2) | kEnd;
+  }
 }
 
 void ProjectiveIntegrator::cast(const Vec3& origin, const Ray& ray, Counts* counts) {
   const double v = config_.resolution_m;
-  const double range = (ray.end - origin).norm();
-  if (!(range > 1e-6)) return;
-  const Vec3 direction = (ray.end - origin) / range;
   const double tau = config_.truncation_m;
+  const double range = (ray.end - origin).norm();
+  if (!(range > 1e-6) || (ray.is_clearing && !config_.use_carving)) return;
+  const Vec3 direction = (ray.end - origin) / range;
   const double from = config_.use_carving ? 0.0 : std::max(0.0, range - tau);
   const double to = ray.is_clearing ? config_.max_range_m - tau : range + tau;
-  if (ray.is_clearing && !config_.use_carving) return;
   if (to <= from) return;
-  const Index3 end_voxel = geometry::index_of(ray.end, v);
+  const Index3 end_voxel = floor_index(ray.end / v);
   const bool is_fast = config_.rule == "fast";
-  int seen_in_a_row = 0;
   // From the end to the sensor, so that the fast rule may stop early in what is already known to be free.
-  walk_voxels((origin + to * direction) / v, (origin + from * direction) / v, [&](const Index3& voxel) {
-    if (config_.use_anti_grazing && voxel != end_voxel && ends_.count(voxel)) return true;
-    const double distance = range - (geometry::center_of(voxel, v) - origin).dot(direction);
-    float weight = ray.weight;
-    if (config_.use_drop_off && distance < -v)
-      weight *= static_cast<float>(std::max(0.0, (tau + distance) / (tau - v)));
-    if (weight < 1e-6f) return true;
-    const bool is_seen = update(voxel, std::min(tau, std::max(-tau, distance)), weight, counts);
-    seen_in_a_row = is_seen ? seen_in_a_row + 1 : 0;
-    return !(is_fast && distance > tau && seen_in_a_row > kMaxSeenInARow);
-  });
+  VoxelWalk walk((origin + to * direction) / v, (origin + from * direction) / v);
+  double distance = range - (geometry::center_of(walk.index(), v) - origin).dot(direction);
+  Index3 at{1 << 30, 0, 0};
+  Block* block = nullptr;
+  int seen_in_a_row = 0;
+  for (int axis = 0; axis >= 0;) {
+    if (geometry::block_of(walk.index()) != at) {
+      at = geometry::block_of(walk.index());
+      block = open(at);
+    }
+    Visit visit = Visit::kRefused;
+    if (block) {
+      Voxel& voxel = (*block)[static_cast<std::size_t>(geometry::offset_in_block(walk.index()))];
+      visit = update(distance, ray.weight, walk.index() == end_voxel, &voxel);
+    }
+    counts->refused += visit == Visit::kRefused;
+    counts->voxels += visit == Visit::kNew || visit == Visit::kSeen;
+    if (visit != Visit::kLeftAlone) seen_in_a_row = visit == Visit::kSeen ? seen_in_a_row + 1 : 0;
+    if (is_fast && distance > tau && seen_in_a_row > kMaxSeenInARow) return;
+    axis = walk.advance();
+    if (axis >= 0) distance -= walk.step(axis) * direction[axis] * v;
+  }
 }
 
-/// @return whether this scan has been in the voxel before
-bool ProjectiveIntegrator::update(const Index3& index, double distance, float weight, Counts* counts) {
-  Block* block = open(geometry::block_of(index));
-  if (!block) {
-    ++counts->refused;
-    return false;
-  }
-  const auto i = static_cast<std::size_t>(geometry::offset_in_block(index));
-  const bool is_seen = block->seen[i] == scan_;
-  block->seen[i] = scan_;
-  const float sum = block->weight[i] + weight;
-  block->distance[i] = (block->weight[i] * block->distance[i] + weight * static_cast<float>(distance)) / sum;
-  block->weight[i] = std::min(sum, static_cast<float>(config_.max_weight));
-  ++counts->voxels;
-  return is_seen;
+ProjectiveIntegrator::Visit ProjectiveIntegrator::update(double distance, float weight, bool is_own_end,
+                                                         Voxel* voxel) const {
+  const double v = config_.resolution_m;
+  const double tau = config_.truncation_m;
+  const std::uint32_t done = voxel->mark >> 2 == scan_ ? voxel->mark & 3u : 0u;
+  if (config_.use_anti_grazing && (done & kEnd) && !is_own_end) return Visit::kLeftAlone;
+  if (config_.use_drop_off && distance < -v) weight *= static_cast<float>(std::max(0.0, (tau + distance) / (tau - v)));
+  if (weight < 1e-6f) return Visit::kLeftAlone;
+  voxel->mark = (scan_ << 2) | done | kSeen;
+  fuse(static_cast<float>(std::min(tau, std::max(-tau, distance))), weight, voxel);
+  return done & kSeen ? Visit::kSeen : Visit::kNew;
+}
+
+void ProjectiveIntegrator::fuse(float distance, float weight, Voxel* voxel) const {
+  const float sum = voxel->weight + weight;
+  // Most voxels are far in front of everything and stay there.
+  if (distance != voxel->distance || voxel->weight == 0.f)
+    voxel->distance = (voxel->weight * voxel->distance + weight * distance) / sum;
+  voxel->weight = std::min(sum, static_cast<float>(config_.max_weight));
 }
 
 ProjectiveIntegrator::Block* ProjectiveIntegrator::open(const Index3& index) {
@@ -152,10 +173,10 @@ ProjectiveIntegrator::Block* ProjectiveIntegrator::open(const Index3& index) {
 bool ProjectiveIntegrator::voxel(const Index3& index, float* distance_m, float* weight) const {
   const auto it = blocks_.find(geometry::block_of(index));
   if (it == blocks_.end()) return false;
-  const auto i = static_cast<std::size_t>(geometry::offset_in_block(index));
-  if (!(it->second->weight[i] > 0.f)) return false;
-  *distance_m = it->second->distance[i];
-  *weight = it->second->weight[i];
+  const Voxel& found = (*it->second)[static_cast<std::size_t>(geometry::offset_in_block(index))];
+  if (!(found.weight > 0.f)) return false;
+  *distance_m = found.distance;
+  *weight = found.weight;
   return true;
 }
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/submap/submap_collection.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <stdexcept>
+
+#include "voxnav/submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -46,9 +51,11 @@ void SubmapCollection::add(SubmapEntry entry) {
   check_pose(entry.T_W_S);
   remove(entry.id);
   const Key key(entry.end_ns, entry.id);
-  submap_bytes_ += entry.submap->memory_bytes();
   keys_[entry.id] = key;
-  records_[key].entry = std::move(entry);
+  Record& record = records_[key];
+  record.bytes = entry.submap->memory_bytes();
+  submap_bytes_ += record.bytes;
+  record.entry = std::move(entry);
   enforce_limits();
 }
 
@@ -72,7 +79,7 @@ bool SubmapCollection::remove(std::uint32_t id) {
   Record* found = record(id);
   if (!found) return false;
   forget(found, &stale_);
-  submap_bytes_ -= found->entry.submap->memory_bytes();
+  submap_bytes_ -= found->bytes;
   records_.erase(keys_[id]);
   keys_.erase(id);
   return true;
@@ -126,12 +133,43 @@ void SubmapCollection::append(const Key& key, Record* r) {
 }
 
 /// Merges by submap, oldest first, so that each is laid into the grid once however many blocks it has to give.
-void SubmapCollection::merge(const std::map<Key, std::vector<Index3>>& work) {
+void SubmapCollection::integrate(const std::map<Key, std::vector<Index3>>& work) {
   for (const auto& [key, blocks] : work) {
-    const Record& r = records_.at(key);
+    Record& r = records_.at(key);
+    r.last_used = ++num_uses_;
     const PlacedSubmap placed(*r.entry.submap, r.entry.id, r.merged_T_W_S, config_.resolution_m);
     for (const Index3& block : blocks) evidence_.integrate(block, placed);
+    page_out();
   }
+}
+
+void SubmapCollection::page_out() {
+  if (config_.page_dir.empty()) return;
+  std::size_t resident = 0;
+  std::vector<const Record*> candidates;
+  for (const auto& item : records_) {
+    if (!item.second.entry.submap->is_resident()) continue;
+    resident += item.second.bytes;
+    candidates.push_back(&item.second);
+  }
+  const auto limit = static_cast<std::size_t>(config_.max_resident_mb * 1e6);
+  if (resident <= limit) return;
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Record* a, const Record* b) { return a->last_used < b->last_used; });
+  for (const Record* r : candidates) {
+    if (resident <= limit) return;
+    // The address keeps two collections of one process apart.
+    char name[96];
+    std::snprintf(name, sizeof(name), "/page_%ld_%p_%u.vxs", static_cast<long>(::getpid()),
+                  static_cast<const void*>(r->entry.submap.get()), r->entry.id);
+    r->entry.submap->page_out(config_.page_dir + name);
+    resident -= r->bytes;
+  }
+}
+
+std::size_t SubmapCollection::num_resident() const {
+  return static_cast<std::size_t>(std::count_if(
+      records_.begin(), records_.end(), [](const auto& item) { return item.second.entry.submap->is_resident(); }));
 }
 
 std::vector<Index3> SubmapCollection::update() {
@@ -162,7 +200,7 @@ std::vector<Index3> SubmapCollection::update() {
       changed.push_back(block);
     }
   }
-  merge(work);
+  integrate(work);
   sort_unique(&changed);
   return changed;
 }
@@ -202,10 +240,61 @@ std::optional<double> SubmapCollection::distance(const Vec3& p_W, double max_dis
   return evidence_.distance_to_surface(p_W, max_distance_m).value_or(max_distance_m);
 }
 
+std::optional<Vec3> SubmapCollection::gradient(const Vec3& p_W, double max_distance_m) {
+  update();
+  if (evidence_.state(p_W) == containers::State::kUnknown) return std::nullopt;
+  const auto nearest = evidence_.nearest_surface(p_W, max_distance_m);
+  if (!nearest || nearest->distance_m == 0.0) return Vec3(Vec3::Zero());
+  return Vec3((p_W - nearest->point_W) / nearest->distance_m);
+}
+
+SubmapCollection::Ray SubmapCollection::cast_ray(const Vec3& a_W, const Vec3& b_W) {
+  constexpr double kLongest_m = 1e4;
+  if (!a_W.allFinite() || !b_W.allFinite() || !((b_W - a_W).norm() < kLongest_m) || a_W.cwiseAbs().maxCoeff() > 1e7)
+    throw std::invalid_argument("a ray needs finite ends less than 10 km apart");
+  update();
+  Ray out;
+  const double length_m = (b_W - a_W).norm();
+  VoxelWalk walk(a_W / config_.resolution_m, b_W / config_.resolution_m);
+  Index3 at{1 << 30, 0, 0};
+  const EvidenceBlock* block = nullptr;
+  for (int axis = 0; axis >= 0; axis = walk.advance()) {
+    const Index3 voxel = walk.index();
+    if (geometry::block_of(voxel) != at) {
+      at = geometry::block_of(voxel);
+      block = evidence_.find(at);
+    }
+    out.state = block ? block->states.get(geometry::offset_in_block(voxel)) : containers::State::kUnknown;
+    out.distance_m = walk.entered() * length_m;
+    if (out.state != containers::State::kFree) return out;
+  }
+  out.distance_m = length_m;
+  return out;
+}
+
+std::vector<SceneChange> SubmapCollection::changes(std::size_t min_voxels) {
+  update();
+  return scene_changes(evidence_, min_voxels);
+}
+
+std::uint32_t SubmapCollection::merge(const SubmapCollection& other, const Pose& T_W_other) {
+  check_pose(T_W_other);
+  if (other.config_.resolution_m != config_.resolution_m)
+    throw std::invalid_argument("the other map has voxels of another size");
+  const std::uint32_t shift = keys_.empty() ? 0 : keys_.rbegin()->first + 1;
+  for (const SubmapEntry* entry : other.entries()) {
+    SubmapEntry moved = *entry;
+    moved.id += shift;
+    moved.T_W_S = T_W_other * entry->T_W_S;
+    add(std::move(moved));
+  }
+  return shift;
+}
+
 std::size_t SubmapCollection::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + submap_bytes_ + evidence_.memory_bytes();
+  std::size_t bytes = sizeof(*this) + evidence_.memory_bytes();
   for (const auto& item : records_) {
-    bytes += sizeof(item) + item.second.blocks.capacity() * sizeof(Index3) +
+    bytes += sizeof(item) + item.second.entry.submap->memory_bytes() + item.second.blocks.capacity() * sizeof(Index3) +
              item.second.entry.T_S_B.capacity() * sizeof(geometry::StampedPose);
   }
   for (const auto& item : by_block_) bytes += sizeof(item) + item.second.capacity() * sizeof(Key);
