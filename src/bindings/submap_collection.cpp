@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "voxnav/submap/map_export.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -186,6 +187,16 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
            "Things that came or went between submaps: dicts kind, center, box_min, box_max [m, W], voxels, submap.")
       .def("states", &states, py::arg("points_W"), "(n,) int8 states (0 unknown, 1 free, 2 occupied).")
       .def("mesh", &colored_mesh, "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8), frame W.")
+      .def(
+          "save_octomap",
+          [](SubmapCollection& c, const std::string& path) {
+            c.update();
+            submap::save_octomap(c.evidence(), path);
+          },
+          py::arg("path"), py::call_guard<py::gil_scoped_release>(),
+          "The merged map for OctoMap: .ot (log-odds) or .bt (binary).")
+      .def("save_clouds", &submap::save_clouds, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
+           "Surface points of each submap as submap_<id>.ply (frame S), and poses.txt: id end_s x y z qx qy qz qw.")
       .def("save_mesh", &save_mesh, py::arg("path"), "Binary PLY, one colour per submap.");
 }
 

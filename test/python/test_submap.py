@@ -187,7 +187,7 @@ def test_queries_over_all_submaps():
     gradient = c.gradient(points)
     np.testing.assert_allclose(gradient[:2, 2], 1.0, atol=0.1)
     assert np.isnan(gradient[2]).all()
-    state, distance = c.cast_ray((-5.0, 0.0, 1.4), (5.0, 0.0, 1.4))
+    state, distance = c.cast_ray((-5.0, -1.0, 1.4), (5.0, -1.0, 1.4))
     assert state == 2 and abs(distance - 3.0) < 0.41
     assert c.cast_ray((-5.0, 0.0, 5.0), (5.0, 0.0, 5.0)) == (1, 10.0)
     assert c.cast_ray((-5.0, 0.0, 5.0), (-50.0, 0.0, 5.0))[0] == 0
@@ -214,12 +214,12 @@ def test_two_flights_are_merged():
 def test_a_bounded_share_of_the_map_stays_in_memory(tmp_path):
     config = voxnav.SubmapCollectionConfig(page_dir=str(tmp_path), max_resident_mb=1.0)
     paged, whole = voxnav.SubmapCollection(config), voxnav.SubmapCollection()
-    one = submap()
-    for i in range(60):
+    data = submap().to_bytes()
+    for i in range(200):
         for c in (paged, whole):
-            c.add(i, voxnav.Submap.from_bytes(one.to_bytes()), pose(20 * i, 0, 0))
-            c.obstacles(1.0)
-    assert paged.num_resident < 60 == whole.num_resident
+            c.add(i, voxnav.Submap.from_bytes(data), pose(20 * i, 0, 0))
+            c.states(np.zeros((1, 3), np.float32))  # merges what is new
+    assert paged.num_resident < 200 == whole.num_resident
     np.testing.assert_array_equal(paged.occupied_points(), whole.occupied_points())
 
 
@@ -248,3 +248,18 @@ def test_killed_while_saving_leaves_a_whole_map(tmp_path, saves):
     copy = voxnav.SubmapCollection.load(directory)
     assert len(copy) >= done
     np.testing.assert_array_equal(copy.submap(1).occupied_points(), c.submap(1).occupied_points())
+
+
+def test_exports_hold_every_surface_point(tmp_path):
+    c = voxnav.SubmapCollection()
+    c.add(3, submap(), pose(1, 2, 3, 0.5), stamp=12.5)
+    c.save_clouds(str(tmp_path))
+    header, _, body = (tmp_path / "submap_000003.ply").read_bytes().partition(b"end_header\n")
+    assert b"element vertex %d\n" % len(c.submap(3).occupied_points()) in header
+    np.testing.assert_array_equal(np.frombuffer(body, "<f4").reshape(-1, 3), c.submap(3).occupied_points())
+    row = np.loadtxt(str(tmp_path / "poses.txt"))
+    np.testing.assert_allclose(row, (3, 12.5, 1, 2, 3, 0, 0, np.sin(0.25), np.cos(0.25)), atol=1e-6)
+    c.save_octomap(str(tmp_path / "map.bt"))
+    assert (tmp_path / "map.bt").read_bytes().startswith(b"# Octomap OcTree binary file")
+    with pytest.raises(ValueError, match="ends in"):
+        c.save_octomap(str(tmp_path / "map.xyz"))

@@ -50,10 +50,13 @@ void EvidenceMap::drop_cleared(const Index3& index, const PlacedSubmap& submap, 
 void EvidenceMap::remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block) {
   const auto same = std::find_if(block->gone.begin(), block->gone.end(),
                                  [&](const EvidenceLeaf& other) { return other.offset == leaf.offset; });
-  if (same == block->gone.end()) block->gone.push_back(leaf);
-  EvidenceLeaf& kept = same == block->gone.end() ? block->gone.back() : *same;
-  kept = leaf;
-  kept.submap_id = by;
+  EvidenceLeaf gone = leaf;
+  gone.submap_id = by;
+  if (same == block->gone.end()) {
+    block->gone.push_back(gone);
+  } else {
+    *same = gone;
+  }
 }
 
 /// Newer points replace the older ones of their voxel.

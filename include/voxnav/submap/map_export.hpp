@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "voxnav/submap/submap_collection.hpp"
+
+namespace voxnav::submap {
+
+/// Known voxels of the merged map as an OctoMap, pruned; `.ot` (log-odds) or `.bt` (occupied and free) by the ending of
+/// the path. Source of the format: Hornung et al., OctoMap, Autonomous Robots 2013.
+/// @throws std::invalid_argument for another ending, std::runtime_error when the file cannot be written
+void save_octomap(const EvidenceMap& evidence, const std::string& path);
+
+/// The surface points of each submap in its own frame as `submap_<id>.ply`, and their poses in `poses.txt`: one line
+/// `id end_stamp_s x y z qx qy qz qw` (T_W_S) per submap, oldest first. The directory must exist.
+/// @throws std::runtime_error naming the file that cannot be written
+void save_clouds(const SubmapCollection& collection, const std::string& directory);
+
+}  // namespace voxnav::submap
