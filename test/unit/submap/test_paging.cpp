@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <map>
 #include <thread>
 
 #include "content_builder.hpp"
@@ -18,10 +17,8 @@ using submap::SubmapCollection;
 namespace {
 
 std::shared_ptr<Submap> random_submap(unsigned seed) {
-  static std::map<unsigned, occupancy::MapContent> contents;  // slow to make
-  const auto found = contents.try_emplace(seed);
-  if (found.second) found.first->second = test::random_content(seed, 48, 0.02, 0.3, 0.4);
-  return Submap::from_content(found.first->second, geometry::from_position_yaw({1, 2, 3}, 0.5), {});
+  return Submap::from_content(test::random_content(seed, 48, 0.02, 0.3, 0.4),
+                              geometry::from_position_yaw({1, 2, 3}, 0.5), {});
 }
 
 std::vector<Vec3> random_points(int count) {
@@ -45,21 +42,8 @@ submap::SubmapEntry entry_of(std::uint32_t id, const Pose& T_W_S) {
   entry.id = id;
   entry.end_ns = id;
   entry.T_W_S = T_W_S;
-  entry.submap = random_submap(1);
+  entry.submap = random_submap(id);
   return entry;
-}
-
-/// Submaps of a few kilobytes, of which one megabyte stays in memory.
-SubmapCollection flown(const std::string& page_dir, std::uint32_t count) {
-  submap::SubmapCollectionConfig config;
-  config.page_dir = page_dir;
-  config.max_resident_mb = 1.0;
-  SubmapCollection out(config);
-  for (std::uint32_t id = 1; id <= count; ++id) {
-    out.add(entry_of(id, geometry::from_position_yaw({15.0 * id, 0, 0}, 0.1 * id)));
-    out.update();
-  }
-  return out;
 }
 
 }  // namespace
@@ -89,21 +73,6 @@ TEST(Paging, ABrokenPageIsAnErrorAndNotUnknownSpace) {
   ASSERT_EQ(::truncate(path.c_str(), 100), 0);
   EXPECT_THROW(distances_of(*field, random_points(1)), std::runtime_error);
   EXPECT_THROW(random_submap(2)->page_out("/nonexistent/page"), std::runtime_error);
-}
-
-TEST(Paging, ACollectionKeepsItsLimitAndItsAnswers) {
-  const std::string page_dir = ::testing::TempDir();
-  SubmapCollection paged = flown(page_dir, 40);
-  SubmapCollection whole = flown("", 40);
-  EXPECT_EQ(whole.num_resident(), 40u);
-  EXPECT_LT(paged.num_resident(), 25u);
-  EXPECT_GT(paged.num_resident(), 0u);
-  EXPECT_EQ(paged.occupied_points(), whole.occupied_points());
-  // A correction of old submaps brings them back for as long as they are needed.
-  for (SubmapCollection* collection : {&paged, &whole})
-    collection->set_pose(2, geometry::from_position_yaw({30.3, 0.2, 0}, 0.2));
-  EXPECT_EQ(paged.occupied_points(), whole.occupied_points());
-  EXPECT_LT(paged.num_resident(), 25u);
 }
 
 TEST(DistanceCache, IsBoundedAndChangesNoAnswer) {
@@ -161,21 +130,4 @@ TEST(SubmapCollection, GradientPointsAwayFromTheNearestSurface) {
     ++checked;
   }
   EXPECT_GT(checked, 50);
-}
-
-TEST(SubmapCollection, MergedFlightsKnowWhatBothKnew) {
-  SubmapCollection first({});
-  first.add(entry_of(7, Pose::Identity()));
-  SubmapCollection second({});
-  second.add(entry_of(1, geometry::from_position_yaw({0, 5, 0}, 0.2)));
-  second.add(entry_of(7, geometry::from_position_yaw({0, 90, 0}, 0.3)));
-  const Pose T_W_V = geometry::from_position_yaw({400, 0, 1}, 1.0);
-  EXPECT_EQ(first.merge(second, T_W_V), 8u);
-  EXPECT_EQ(first.size(), 3u);
-  EXPECT_TRUE(first.find(15)->T_W_S.isApprox(T_W_V * second.find(7)->T_W_S));
-  EXPECT_EQ(first.occupied_points().size(),
-            entry_of(7, Pose::Identity()).submap->occupied_points().size() + second.occupied_points().size());
-  submap::SubmapCollectionConfig coarse;
-  coarse.resolution_m = 0.8;
-  EXPECT_THROW(first.merge(SubmapCollection(coarse), T_W_V), std::invalid_argument);
 }
