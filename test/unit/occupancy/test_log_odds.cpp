@@ -61,13 +61,30 @@ TEST(ByteOps, VectorAndPlainSubtractionAgree) {
     for (auto& v : a) v = static_cast<std::uint8_t>(rng());
     auto b = a;
     const std::uint64_t mask = rng() & rng();
-    const auto fast = occupancy::subtract_where(a.data(), mask, 11, 40, 90);
-    const auto plain = occupancy::subtract_where_plain(b.data(), mask, 11, 40, 90);
+    const occupancy::Subtraction by{11, 40, 90};
+    const auto fast = occupancy::subtract_where(a.data(), mask, by);
+    const auto plain = occupancy::subtract_where_plain(b.data(), mask, by);
     EXPECT_EQ(fast.any_changed, plain.any_changed);
     EXPECT_EQ(fast.crossed_free, plain.crossed_free);
     EXPECT_EQ(fast.crossed_occupied, plain.crossed_occupied);
     EXPECT_EQ(a, b);
   }
+}
+
+TEST(ByteOps, TransposesBitMatrices) {
+  std::mt19937_64 rng(6);
+  for (int trial = 0; trial < 100; ++trial) {
+    std::array<std::uint16_t, 32> in{};
+    for (auto& row : in) row = static_cast<std::uint16_t>(rng() & rng());
+    std::array<std::uint16_t, 16> out{};
+    ASSERT_TRUE(occupancy::transpose_16(in.data(), 2, out.data()));
+    for (int k = 0; k < 16; ++k) {
+      for (int i = 0; i < 16; ++i) EXPECT_EQ((out[k] >> i) & 1, (in[2 * i] >> k) & 1);
+    }
+  }
+  std::array<std::uint16_t, 16> nothing{}, kept{7};
+  EXPECT_FALSE(occupancy::transpose_16(nothing.data(), 1, kept.data()));
+  EXPECT_EQ(kept[0], 7);
 }
 
 TEST(LocalMapConfig, WindowsThatDoNotFitMemoryAreRefusedWithTheFigure) {
