@@ -52,10 +52,13 @@ class FlightTest(unittest.TestCase):
     def wait(self, condition, what):
         self.recorder.wait_until(condition, LIMIT_S, what)
 
+    def kill(self, node):
+        subprocess.check_call(["rosnode", "kill", rospy.resolve_name(node)], stdout=subprocess.DEVNULL)
+
     def kill_in_flight(self, victim):
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight before killing " + victim)
         num_reasons, began = len(self.recorder.reasons), time.monotonic()
-        subprocess.check_call(["rosnode", "kill", rospy.resolve_name(victim)], stdout=subprocess.DEVNULL)
+        self.kill(victim)
         self.wait(lambda: self.recorder.speed_mps < 0.1, "rest after killing " + victim)
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight after killing " + victim)
         reasons = self.recorder.reasons[num_reasons:]
@@ -66,7 +69,7 @@ class FlightTest(unittest.TestCase):
         """It cannot brake any more, but every trajectory ends at rest in known free space, and the goal is kept."""
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight before killing the planner")
         before = self.recorder.status.header.stamp
-        subprocess.check_call(["rosnode", "kill", rospy.resolve_name("planning_manager")], stdout=subprocess.DEVNULL)
+        self.kill("planning_manager")
         self.wait(lambda: self.recorder.status.header.stamp > before + rospy.Duration(1.0) and
                   self.recorder.status.num_plans <= 2, "the planner to come back")
 
@@ -78,8 +81,9 @@ class FlightTest(unittest.TestCase):
         self.recorder.wait_for_nodes(LIMIT_S)
         self.recorder.take_off(LIMIT_S)
         self.recorder.send_goal(FRAME, mission.goal_of(mission.simulated_world(WORLD, SEED)))
-        for victim in ("cloud_filter", "local_mapper", "submap_integrator", "lidar_simulator"):
+        for victim in ("cloud_filter", "local_mapper", "submap_integrator"):
             self.kill_in_flight(victim)
+        self.kill("lidar_simulator")  # simulated time waits for it, so that nothing need be lost
         self.arrive()
         self.recorder.send_goal(FRAME, (0.0, 0.0, 2.0))
         for victim in ("submap_optimizer", "voxnav_nodelet_manager"):
