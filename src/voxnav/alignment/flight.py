@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A simulated flight whose pose drifts, cut into submaps."""
+
+import collections
+import os
+import pickle
+
+import numpy as np
+
+import voxnav
+from voxnav.alignment.corridor import Corridor, CorridorLidar
+from voxnav.alignment.scenarios import path_of
+from voxnav.optimizer_session import SubmapRecord, aligned_pose
+
+Flight = collections.namedtuple("Flight", "stamps_s T_W_B T_O_B submaps")
+Flight.__doc__ = "stamps_s (n,); T_W_B (n, 4, 4) true and T_O_B drifting poses; submaps: [(SubmapRecord, Submap)]"
+
+
+def drift_of(scenario, num_scans, seed):
+    """(n, 3) estimated minus true position: a random walk inside a ball, smoothed as GNSS receivers do (three lags of
+    4 s, as voxnav_simulation::GnssDrift), scaled so that its peak is the scenario's."""
+    random, dt_s, lag_s = np.random.RandomState(1000 + seed), 1.0 / scenario.scan_hz, 4.0
+    walk, lags, out = np.zeros(3), np.zeros((3, 3)), np.empty((num_scans, 3))
+    for i in range(num_scans):
+        walk = walk + 0.1 * np.sqrt(dt_s) * random.randn(3)
+        walk *= min(1.0, scenario.drift_m / max(np.linalg.norm(walk), 1e-9))
+        source = walk
+        for lag in lags:
+            lag += dt_s / lag_s * (source - lag)
+            source = lag
+        out[i] = lags[2]
+    peak = np.linalg.norm(out, axis=1).max()
+    return out * (scenario.drift_m / peak if peak > 0.0 else 0.0)
+
+
+def world_of(scenario, seed):
+    if scenario.world is None:
+        return Corridor()
+    from voxnav import simulation  # needs Embree
+    return simulation.World(scenario.world, seed)
+
+
+def _scanner(scenario, world, seed):
+    if scenario.world is None:
+        lidar = CorridorLidar(seed)
+        return lambda T_W_L, index: lidar.organised(T_W_L)
+    from voxnav import simulation
+    lidar = simulation.Lidar(model="os0-32", columns=512, seed=seed)
+    return lambda T_W_L, index: lidar.scan(world, T_W_L, T_W_L, index).organised
+
+
+def fly(scenario, seed, world=None):
+    """Simulate a flight: filter, local map, submaps. Deterministic."""
+    world = world or world_of(scenario, seed)
+    path, scan = path_of(scenario, world), _scanner(scenario, world, seed)
+    T_W_B = np.array([aligned_pose(row[:3], row[3]) for row in path])
+    T_O_B = T_W_B.copy()
+    T_O_B[:, :3, 3] += drift_of(scenario, len(path), seed)
+    cloud_filter = voxnav.CloudFilter(voxnav.CloudFilterConfig(ghost_intensity=20.0))
+    local_map, scheduler = voxnav.LocalMap(voxnav.LocalMapConfig()), voxnav.SubmapScheduler()
+    stamps, submaps = np.arange(len(path)) / scenario.scan_hz, []
+    for i, stamp in enumerate(stamps):
+        points = cloud_filter.apply(scan(T_W_B[i], i)).points
+        local_map.insert(np.ascontiguousarray(points[:, :3]), T_O_B[i])
+        submaps += _filled(scheduler.add_scan(local_map, float(stamp), T_O_B[i]))
+    submaps += _filled(scheduler.finish(local_map))
+    return Flight(stamps, T_W_B, T_O_B, submaps)
+
+
+def _filled(handovers):
+    # Early parts of submaps are left out: nothing leaves an 80 m window within one submap here.
+    return [(SubmapRecord(h.submap_id, h.pose_stamps[0], h.pose_stamps[-1], h.T_O_S, h.pose_stamps, h.T_S_B),
+             voxnav.Submap.from_content(h.content, np.linalg.inv(h.T_O_S))) for h in handovers if h.is_final]
+
+
+def kept_flight(scenario, seed, folder):
+    """The same, kept in a folder between runs (delete it when filter, map or submaps change)."""
+    if not folder:
+        return fly(scenario, seed)
+    path = os.path.join(folder, "%s_%d.pickle" % (scenario.name, seed))
+    if not os.path.exists(path):
+        os.makedirs(folder, exist_ok=True)
+        flight = fly(scenario, seed)
+        with open(path + ".part", "wb") as out:
+            pickle.dump(flight._replace(submaps=[(tuple(r), s.to_bytes()) for r, s in flight.submaps]), out)
+        os.replace(path + ".part", path)
+    with open(path, "rb") as source:
+        flight = pickle.load(source)
+    return flight._replace(submaps=[(SubmapRecord(*r), voxnav.Submap.from_bytes(s)) for r, s in flight.submaps])

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a solved flight is worth against the truth."""
+
+import collections
+
+import numpy as np
+
+from voxnav.evaluation import align_se3
+from voxnav.optimizer_session import OptimizerSession
+
+Errors = collections.namedtuple("Errors", "rmse_m axis_m unaligned_m closure_m")
+Errors.__doc__ = """rmse_m, axis_m (3,): after SE(3) alignment. unaligned_m: with the first poses put together.
+closure_m: error of the way from the first to the last pose."""
+
+Solved = collections.namedtuple("Solved", "stamps_s T_W_B T_true before after session reports worst_excess_m")
+Solved.__doc__ = """before, after: Errors. reports: OptimizeReport per solve. worst_excess_m: over all solves, by how
+much the trajectory so far was worse than its input so far (not positive where it never was)."""
+
+
+def errors_of(T_est, T_true):
+    """Errors of (n, 4, 4) poses against true ones of the same times."""
+    p, q = T_est[:, :3, 3], T_true[:, :3, 3]
+    R, t = align_se3(p, q)
+    left = p @ R.T + t - q
+    rooted = (T_true[0] @ np.linalg.inv(T_est[0]) @ T_est)[:, :3, 3]
+    return Errors(np.sqrt(np.mean(np.sum(left ** 2, axis=1))), np.sqrt(np.mean(left ** 2, axis=0)),
+                  np.sqrt(np.mean(np.sum((rooted - q) ** 2, axis=1))), np.linalg.norm(rooted[-1] - q[-1]))
+
+
+def solve(flight, graph_config=None, optimizer_config=None):
+    """Feed the submaps to a session in order, solving after each, as in flight."""
+    session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
+    for record, submap in flight.submaps:
+        session.add_submap(record, submap)
+        reports.append(session.optimize())
+        stamps, poses = session.trajectory()
+        rows = np.searchsorted(flight.stamps_s, stamps - 1e-6)
+        before, after = errors_of(flight.T_O_B[rows], flight.T_W_B[rows]), errors_of(poses, flight.T_W_B[rows])
+        worst_m = max(worst_m, after.rmse_m - before.rmse_m)
+    return Solved(stamps, poses, flight.T_W_B[rows], before, after, session, reports, worst_m)
+
+
+def merged_surface(flight, T_W_S_by_id):
+    """(n, 3) surface points of all submaps, in W."""
+    parts = []
+    for record, submap in flight.submaps:
+        T = T_W_S_by_id[record.id]
+        parts.append(submap.surface_points().astype(np.float64) @ T[:3, :3].T + T[:3, 3])
+    return np.concatenate(parts)
+
+
+def aligned_surface(flight, T_W_S_by_id, T_est, T_true):
+    """The merged surface, put where the trajectory fits the true one best."""
+    R, t = align_se3(T_est[:, :3, 3], T_true[:, :3, 3])
+    return merged_surface(flight, T_W_S_by_id) @ R.T + t
+
+
+def surface_share(points, world, within_m, limit=40000):
+    """Share of (n, 3) points within a distance of the true surface."""
+    distance = world.surface_distance(points[::max(1, len(points) // limit)], 5.0)
+    return float(np.mean(distance <= within_m))

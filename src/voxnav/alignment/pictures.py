@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of an evaluated flight."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+from voxnav.evaluation import align_se3  # noqa: E402
+
+
+def draw_errors(path, title, flight, solved):
+    """Tracks from above, and the error of each axis over time before and after."""
+    figure, axes = plt.subplots(1, 2, figsize=(13, 5))
+    rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
+    for T, colour, label in ((flight.T_O_B[rows], "tab:orange", "before"), (solved.T_W_B, "tab:blue", "after")):
+        R, t = align_se3(T[:, :3, 3], solved.T_true[:, :3, 3])
+        p = T[:, :3, 3] @ R.T + t
+        axes[0].plot(p[:, 0], p[:, 1], color=colour, label=label)
+        for axis, style in enumerate(("-", "--", ":")):
+            axes[1].plot(solved.stamps_s, p[:, axis] - solved.T_true[:, axis, 3], style, color=colour,
+                         label="%s, %s" % (label, "xyz"[axis]))
+    axes[0].plot(solved.T_true[:, 0, 3], solved.T_true[:, 1, 3], "k--", linewidth=1, label="true")
+    axes[0].set(title=title, xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    axes[1].set(title="error after SE(3) alignment", xlabel="time [s]", ylabel="error [m]")
+    for ax in axes:
+        ax.legend(fontsize=8)
+        ax.grid(alpha=0.3)
+    _save(figure, path)
+
+
+def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
+    """Surfaces between knee and crown around a place from above. surfaces: dict of title -> (n, 3) aligned points."""
+    figure, axes = plt.subplots(1, len(surfaces), figsize=(7 * len(surfaces), 7))
+    trunks = world.trunks()
+    for ax, (title, points) in zip(axes, surfaces.items()):
+        height = points[:, 2] - world.ground_height(points[:, 0], points[:, 1])
+        near = np.all(np.abs(points[:, :2] - center) < half_width_m, axis=1) & (height > 0.8) & (height < 2.8)
+        ax.scatter(points[near, 0], points[near, 1], s=5, color="tab:blue", label="surface points of all submaps")
+        for k in range(len(trunks)):
+            share = 1.8 / max(trunks.top[k, 2] - trunks.ground[k, 2], 1.8)
+            at = trunks.ground[k, :2] + share * (trunks.top[k] - trunks.ground[k])[:2]
+            if np.all(np.abs(at - center) < half_width_m):
+                ax.add_patch(plt.Circle(at, trunks.radius_ground_m[k], fill=False, color="black"))
+        ax.set(title=title, xlabel="x [m]", ylabel="y [m]", aspect="equal",
+               xlim=center[0] + half_width_m * np.array([-1, 1]), ylim=center[1] + half_width_m * np.array([-1, 1]))
+        ax.legend(loc="upper right", fontsize=8)
+    _save(figure, path)
+
+
+def _save(figure, path):
+    figure.tight_layout()
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
