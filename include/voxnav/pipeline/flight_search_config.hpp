@@ -15,6 +15,8 @@ struct FlightSearchConfig : planning::AStarConfig {
     // More would make the search flood all known space before it enters unknown space.
     unknown_cost = 1.1;
     optimistic_range_m = 4.0;
+    // Corridor radius and deviation of the trajectory: a plan that lacks this much is not flown.
+    known_distance_m = 0.9;
     heuristic_weight = 1.2;
     simplify = true;
   }

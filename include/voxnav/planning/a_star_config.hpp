@@ -19,6 +19,8 @@ struct AStarConfig {
   std::string unknown_policy = "forbid";
   double unknown_cost = 2.0;
   double optimistic_range_m = 8.0;
+  double known_distance_m = 0.0;
+  double near_unknown_weight = 10.0;
   double heuristic_weight = 1.0;
   double goal_search_radius_m = 4.0;
   double escape_distance_m = 3.0;
@@ -41,6 +43,10 @@ struct AStarConfig {
     v("unknown_cost", &AStarConfig::unknown_cost, base::in(1.0, 100.0), "", "cost per metre in unknown cells");
     v("optimistic_range_m", &AStarConfig::optimistic_range_m, base::in(0.0, 1000.0), "m",
       "see unknown_policy optimistic_far");
+    v("known_distance_m", &AStarConfig::known_distance_m, base::in(0.0, 10.0), "m",
+      "within optimistic_range_m of the start, cells nearer than this to unknown ones cost more: what is to be flown "
+      "next needs known space around it; 0 = no effect");
+    v("near_unknown_weight", &AStarConfig::near_unknown_weight, base::in(0.0, 100.0), "", "extra cost per metre there");
     v("heuristic_weight", &AStarConfig::heuristic_weight, base::in(1.0, 5.0), "",
       "1 gives the cheapest path; more is faster and at most this factor dearer");
     v("goal_search_radius_m", &AStarConfig::goal_search_radius_m, base::in(0.0, 20.0), "m",

@@ -37,6 +37,8 @@ class CellCosts {
   template <class Select>
   bool distances(const geometry::Index3& block, Select select, Distances* out);
   CellCost cost_of(const geometry::Index3& voxel, State state, bool is_near_occupied, float distance_sq) const;
+  bool is_near_start(const geometry::Index3& voxel) const;
+  bool touches_start_range(const geometry::Index3& block) const;
   CellCost unknown_cost(const geometry::Index3& voxel) const;
 
   const OccupancyView& view_;
@@ -48,6 +50,7 @@ class CellCosts {
   float safety_sq_;  ///< squares of distances in voxels
   double safety_;
   double clearance_;
+  float known_sq_ = 0.0F;       ///< cells nearer to unknown ones cost more near the start; 0 = none do
   int radius_;                  ///< voxels that the distances must see
   std::vector<float> weights_;  ///< squared face distance by axis offset
   std::vector<float> pass_a_, pass_b_;

@@ -36,6 +36,7 @@ class PlanCall {
         config_(config),
         budget_(budget_of(config, begin_)),
         resolution_m_(view.resolution_m()),
+        start_(start),
         goal_(goal),
         costs_(view, config, start),
         space_(&costs_, static_cast<std::uint64_t>(config.max_memory_mib * 0.5 * 1048576.0)),
@@ -114,7 +115,12 @@ class PlanCall {
   void set_path(const SearchOutcome& outcome) {
     std::vector<Index3> cells = outcome.cells;
     if (config_.simplify) {
-      cells = simplify(&space_, view_, cells, config_.safety_distance_m - view_.grown_by_m(), budget_);
+      ShortcutRules rules;
+      rules.clearance_m = config_.safety_distance_m - view_.grown_by_m();
+      rules.known_m = config_.unknown_policy == "optimistic_far" ? config_.known_distance_m : 0.0;
+      rules.known_range_m = config_.optimistic_range_m;
+      rules.start = start_;
+      cells = simplify(&space_, view_, cells, rules, budget_);
     }
     cells.insert(cells.begin(), way_out_.begin(), way_out_.end() - (cells.empty() ? 0 : 1));
     for (const Index3& cell : cells) result_.path.push_back(geometry::center_of(cell, resolution_m_));
@@ -139,6 +145,7 @@ class PlanCall {
   const AStarConfig& config_;
   SearchBudget budget_;
   double resolution_m_;
+  Vec3 start_;
   Vec3 goal_;
   CellCosts costs_;
   SearchSpace space_;

@@ -47,7 +47,9 @@ CellCosts::CellCosts(const OccupancyView& view, const AStarConfig& config, const
   clearance_ = std::max(safety_, config.clearance_distance_m / resolution_m_);
   // Rounding must not turn a voxel at exactly the safety distance into an obstacle.
   safety_sq_ = static_cast<float>(safety_ * safety_ - 1e-4);
-  radius_ = std::min(kMaxRadius, static_cast<int>(std::ceil(clearance_ + 0.5)));
+  const double known = config.unknown_policy == "optimistic_far" ? config.known_distance_m / resolution_m_ : 0.0;
+  known_sq_ = static_cast<float>(known * known);
+  radius_ = std::min(kMaxRadius, static_cast<int>(std::ceil(std::max(clearance_, known) + 0.5)));
   for (int k = -radius_; k <= radius_; ++k) {
     const float face = std::max(0.0F, static_cast<float>(std::abs(k)) - 0.5F);
     weights_.push_back(face * face);
@@ -112,11 +114,20 @@ bool CellCosts::distances(const geometry::Index3& block, Select select, Distance
   return true;
 }
 
+bool CellCosts::is_near_start(const geometry::Index3& voxel) const {
+  return (geometry::center_of(voxel, resolution_m_) - start_).squaredNorm() < std::pow(config_.optimistic_range_m, 2);
+}
+
+bool CellCosts::touches_start_range(const geometry::Index3& block) const {
+  const double side = kSide * resolution_m_;
+  const geometry::Vec3 low = geometry::Vec3(block.x, block.y, block.z) * side;
+  const geometry::Vec3 nearest = start_.cwiseMax(low).cwiseMin(low + geometry::Vec3::Constant(side));
+  return (nearest - start_).squaredNorm() < std::pow(config_.optimistic_range_m, 2);
+}
+
 CellCost CellCosts::unknown_cost(const geometry::Index3& voxel) const {
   if (config_.unknown_policy == "forbid") return 0;
-  const bool is_near =
-      (geometry::center_of(voxel, resolution_m_) - start_).squaredNorm() < std::pow(config_.optimistic_range_m, 2);
-  if (config_.unknown_policy == "optimistic_far" && is_near) return 0;
+  if (config_.unknown_policy == "optimistic_far" && is_near_start(voxel)) return 0;
   return static_cast<CellCost>(std::lround(config_.unknown_cost * kUnitCost));
 }
 
@@ -138,7 +149,10 @@ void CellCosts::compute(const geometry::Index3& block, CostBlock* out) {
   const bool is_near_occupied = clearance_ > 0.0 && distances(block, occupied_bits, &to_occupied);
   BlockMask hard, soft;
   const bool has_forbidden = view_.forbidden(block, &hard, &soft);
-  const bool is_near_unknown = has_forbidden && soft.any() && distances(block, unknown_bits, &to_unknown);
+  const bool is_short_of_known = known_sq_ > 0.0F && touches_start_range(block);
+  const bool is_asked = is_short_of_known || (has_forbidden && soft.any());
+  const bool is_near_unknown = is_asked && distances(block, unknown_bits, &to_unknown);
+  const double near_unknown = config_.near_unknown_weight * kUnitCost;
   const StateBlock* states = states_of(block);
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     const geometry::Index3 voxel = geometry::voxel_at(block, offset);
@@ -149,6 +163,8 @@ void CellCosts::compute(const geometry::Index3& block, CostBlock* out) {
     const bool knows_better = !is_near_unknown || (to_unknown[offset] > 0.0F && to_unknown[offset] >= safety_sq_);
     if (has_forbidden && soft[offset] && !knows_better) continue;
     cost = cost_of(voxel, states->get(offset), is_near_occupied, is_near_occupied ? to_occupied[offset] : kNoDistances);
+    const bool is_dear = cost != 0 && is_short_of_known && is_near_unknown && to_unknown[offset] < known_sq_;
+    if (is_dear && is_near_start(voxel)) cost = static_cast<CellCost>(std::min(65535.0, cost + near_unknown));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "voxnav/planning/corridor.hpp"
+#include "voxnav/planning/segment_box.hpp"
 
 namespace voxnav::planning {
 namespace {
@@ -54,8 +55,9 @@ struct LineWalk {
 
 class Simplifier {
  public:
-  Simplifier(SearchSpace* space, const OccupancyView& view, const std::vector<Index3>& cells, double clearance_m)
-      : space_(space), view_(view), cells_(cells), clearance_m_(clearance_m), cost_to_(cells.size(), 0.0) {
+  Simplifier(SearchSpace* space, const OccupancyView& view, const std::vector<Index3>& cells,
+             const ShortcutRules& rules)
+      : space_(space), view_(view), cells_(cells), rules_(rules), cost_to_(cells.size(), 0.0) {
     for (std::size_t i = 1; i < cells.size(); ++i) {
       cost_to_[i] = cost_to_[i - 1] + std::max(0.0, line_cost(space, cells[i - 1], cells[i]));
     }
@@ -80,16 +82,29 @@ class Simplifier {
   bool is_replaceable(std::size_t from, std::size_t to) const {
     const double cost = line_cost(space_, cells_[from], cells_[to]);
     if (cost < 0.0 || cost > cost_to_[to] - cost_to_[from] + kTolerance) return false;
-    if (clearance_m_ <= 0.0) return true;
     const double v = view_.resolution_m();
-    const std::vector<geometry::Vec3> line = {geometry::center_of(cells_[from], v), geometry::center_of(cells_[to], v)};
-    return check_corridor(view_, line, clearance_m_, CorridorRule::kNotOccupied).is_safe;
+    const Segment line{geometry::center_of(cells_[from], v), geometry::center_of(cells_[to], v)};
+    const bool is_clear =
+        rules_.clearance_m <= 0.0 ||
+        check_corridor(view_, {line.a, line.b}, rules_.clearance_m, CorridorRule::kNotOccupied).is_safe;
+    return is_clear && is_known_near_start(line);
+  }
+
+  bool is_known_near_start(const Segment& line) const {
+    if (rules_.known_m <= 0.0 || (line.a - rules_.start).norm() >= rules_.known_range_m) return true;
+    // A path leaves the start: what comes back into its range later is a matter for the next plan.
+    const geometry::Aabb point{rules_.start, rules_.start};
+    const bool ends_within = (line.b - rules_.start).norm() <= rules_.known_range_m;
+    const Segment back{line.b, line.a};
+    const geometry::Vec3 end =
+        ends_within ? line.b : back.at(first_parameter_within(back, point, rules_.known_range_m));
+    return check_corridor(view_, {line.a, end}, rules_.known_m).is_safe;
   }
 
   SearchSpace* space_;
   const OccupancyView& view_;
   const std::vector<Index3>& cells_;
-  double clearance_m_;
+  const ShortcutRules& rules_;
   std::vector<double> cost_to_;
 };
 
@@ -115,9 +130,9 @@ double line_cost(SearchSpace* space, const Index3& from, const Index3& to) {
 }
 
 std::vector<Index3> simplify(SearchSpace* space, const OccupancyView& view, const std::vector<Index3>& cells,
-                             double clearance_m, const SearchBudget& budget) {
+                             const ShortcutRules& rules, const SearchBudget& budget) {
   if (cells.size() < 3) return cells;
-  const Simplifier simplifier(space, view, cells, clearance_m);
+  const Simplifier simplifier(space, view, cells, rules);
   std::vector<Index3> out = {cells.front()};
   for (std::size_t at = 0; at + 1 < cells.size();) {
     at = budget.is_late() ? at + 1 : simplifier.farthest_from(at);

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A LiDAR leaves cones above and below the vehicle unknown: plans have to leave the start beside them."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import voxnav
+
+RESOLUTION = 0.4
+LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
+
+
+def seen_from(vehicle, elevation_deg=45.0, range_m=12.0):
+    """What beams within the elevation leave known free: all voxels that one of them touches."""
+    n = int(2 * range_m / RESOLUTION)
+    low = np.floor((np.asarray(vehicle) - range_m) / RESOLUTION) * RESOLUTION
+    centers = [low[k] + (np.arange(n) + 0.5) * RESOLUTION - vehicle[k] for k in range(3)]
+    farthest = np.hypot(np.abs(centers[0])[:, None] + 0.2, np.abs(centers[1])[None, :] + 0.2)
+    lowest = np.maximum(np.abs(centers[2]) - 0.2, 0.0)
+    is_seen = lowest[None, None, :] <= np.tan(np.radians(elevation_deg)) * farthest[:, :, None]
+    return voxnav.StateGrid.from_array(is_seen.astype(np.int8), low, RESOLUTION)
+
+
+def plan(vehicle, goal, **search):
+    nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-20.0))
+    assert nav.apply_local(1, RESOLUTION, **seen_from(vehicle).snapshot()) == "applied"
+    nav.set_vehicle(vehicle)
+    nav.set_T_W_O(np.eye(4))
+    view = nav.view()
+    planner = voxnav.AStarPlanner(voxnav.FlightSearchConfig(timeout_s=20.0, **search).search_config())
+    return view, voxnav.run_plan_job(planner, voxnav.PlanningManagerConfig(), view, vehicle, goal, LIMITS)
+
+
+OFFSETS = list(itertools.product((0.0, 0.13, 0.31), (0.05, 0.25), (0.0, 0.2, 0.35)))
+
+
+@pytest.mark.parametrize("goal", [(0.0, 0.0, 25.0), (9.0, 3.0, 20.0), (30.0, 0.0, 30.0), (3.0, 0.0, -18.0)])
+def test_steep_goals_are_approached_beside_the_blind_cones(goal):
+    for vehicle in OFFSETS:
+        view, outcome = plan(np.array(vehicle), np.array(goal))
+        assert outcome.problem == "", (vehicle, outcome.problem)
+        assert np.linalg.norm(np.diff(outcome.waypoints_O, axis=0), axis=1).sum() >= 1.0
+        assert voxnav.check_corridor(view, outcome.waypoints_O, 0.7).safe
+
+
+def test_without_the_rule_a_steep_goal_leads_into_the_cone():
+    outcomes = [plan(np.array(vehicle), np.array((0.0, 0.0, 25.0)), known_distance_m=0.0)[1] for vehicle in OFFSETS]
+    assert any("unknown" in o.problem for o in outcomes)
