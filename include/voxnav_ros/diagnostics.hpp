@@ -19,6 +19,9 @@ class Diagnostics {
  public:
   Diagnostics(const std::string& node, ros::NodeHandle& private_nh);
 
+  /// Publishes every second from now on.
+  void start() { timer_.start(); }
+
   /// Times the caller's scope: `const auto timer = diagnostics.time("insert");`
   class Scope {
    public:

@@ -21,9 +21,13 @@ class NodeletBase : public nodelet::Nodelet {
   /// @param node  class name, the prefix of log lines (as MRS nodes have it)
   explicit NodeletBase(std::string node) : node_(std::move(node)) {}
 
-  /// Load parameters, build the core object, advertise; subscribe last.
+  /// Load parameters, build the core object, advertise.
   /// @throws voxnav::base::ConfigError
   virtual void initialize() = 0;
+  /// Subscribe and start timers. Comes from the process' own queue once loading has ended: nodelet 1.10.0 loses every
+  /// callback that falls due while a nodelet is loaded, and with it the timer for ever
+  /// (https://github.com/ros/nodelet_core/issues/106).
+  virtual void start() {}
 
   Diagnostics& diagnostics() { return *diagnostics_; }
   const std::string& node() const { return node_; }
@@ -37,6 +41,7 @@ class NodeletBase : public nodelet::Nodelet {
   std::string name_;  ///< of the ROS node, without its namespace: who diagnostics and progress speak for
   std::unique_ptr<Diagnostics> diagnostics_;
   ros::Publisher progress_;
+  ros::SteadyTimer starter_;
 };
 
 }  // namespace voxnav_ros

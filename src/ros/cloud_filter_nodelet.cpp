@@ -43,7 +43,11 @@ class CloudFilterNodelet : public NodeletBase {
     far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
     open_beams_ = nh.advertise<sensor_msgs::PointCloud2>("open_beams_out", 5);
     topic_ = nh.resolveName("cloud_in");
-    cloud_ = nh.subscribe("cloud_in", 5, &CloudFilterNodelet::on_cloud, this, ros::TransportHints().tcpNoDelay());
+  }
+
+  void start() override {
+    cloud_ = getPrivateNodeHandle().subscribe("cloud_in", 5, &CloudFilterNodelet::on_cloud, this,
+                                              ros::TransportHints().tcpNoDelay());
   }
 
   void on_cloud(const sensor_msgs::PointCloud2ConstPtr& msg) {

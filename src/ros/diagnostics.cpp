@@ -35,7 +35,7 @@ Diagnostics::Scope::~Scope() {
 
 Diagnostics::Diagnostics(const std::string& node, ros::NodeHandle& private_nh) : node_(node) {
   publisher_ = private_nh.advertise<voxnav::NodeDiagnostics>("diagnostics_out", 2, true);
-  timer_ = private_nh.createSteadyTimer(ros::WallDuration(1.0), &Diagnostics::publish, this);
+  timer_ = private_nh.createSteadyTimer(ros::WallDuration(1.0), &Diagnostics::publish, this, false, false);
 }
 
 void Diagnostics::add_time(const std::string& stage, double wall_ms, double cpu_ms) {

@@ -34,6 +34,10 @@ void LidarOdometryNodelet::initialize() {
   reset_odom_ = nh.advertiseService("reset_odom", &LidarOdometryNodelet::on_reset_odom, this);
   points_topic_ = nh.resolveName("points_in");
   imu_topic_ = nh.resolveName("imu_in");
+}
+
+void LidarOdometryNodelet::start() {
+  ros::NodeHandle& nh = getPrivateNodeHandle();
   wait_timer_ = nh.createSteadyTimer(ros::WallDuration(kWaitCheck_s), &LidarOdometryNodelet::on_wait, this);
   imu_ = nh.subscribe("imu_in", 1000, &LidarOdometryNodelet::on_imu, this, ros::TransportHints().tcpNoDelay());
   points_ = nh.subscribe("points_in", 5, &LidarOdometryNodelet::on_points, this, ros::TransportHints().tcpNoDelay());

@@ -35,6 +35,7 @@ class LidarOdometryNodelet : public NodeletBase {
   };
 
   void initialize() override;
+  void start() override;
   void on_imu(const sensor_msgs::ImuConstPtr& msg);
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_wait(const ros::SteadyTimerEvent&);

@@ -68,9 +68,12 @@ class LidarSimulatorNodelet : public NodeletBase {
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
     publish_mount(lidar.T_B_L());
     move_vehicle_ = nh.advertiseService("move_vehicle", &LidarSimulatorNodelet::on_move_vehicle, this);
-    truth_ = nh.subscribe("ground_truth_in", kTruthQueue, &LidarSimulatorNodelet::on_truth, this,
-                          ros::TransportHints().tcpNoDelay());
     report_world();
+  }
+
+  void start() override {
+    truth_ = getPrivateNodeHandle().subscribe("ground_truth_in", kTruthQueue, &LidarSimulatorNodelet::on_truth, this,
+                                              ros::TransportHints().tcpNoDelay());
   }
 
   void publish_mount(const voxnav::geometry::Pose& T_B_L) {

@@ -58,7 +58,6 @@ class LocalMapperNodelet : public NodeletBase {
     scans_ = std::make_unique<PendingScans>(config_.odometry_frame, config_.body_frame, config_.tf_timeout_s,
                                             config_.max_pending_scans, config_.use_deskew);
     advertise();
-    subscribe();
   }
 
   void advertise() {
@@ -74,7 +73,7 @@ class LocalMapperNodelet : public NodeletBase {
                  nh.advertiseService("close_submap_in", &LocalMapperNodelet::on_close_submap, this)};
   }
 
-  void subscribe() {
+  void start() override {
     ros::NodeHandle& nh = getPrivateNodeHandle();
     const auto hints = ros::TransportHints().tcpNoDelay();
     quality_ = nh.subscribe("odometry_quality_in", 5, &LocalMapperNodelet::on_quality, this, hints);

@@ -14,7 +14,12 @@ void NodeletBase::onInit() {
     NODELET_FATAL_STREAM("[" << node_ << "]: not started:\n" << error.what());
     throw;  // the manager reports the load as failed, and the launch file sees it
   }
-  NODELET_INFO_STREAM("[" << node_ << "]: initialized");
+  const auto begin = [this](const ros::SteadyTimerEvent&) {
+    diagnostics_->start();
+    start();
+    NODELET_INFO_STREAM("[" << node_ << "]: initialized");
+  };
+  starter_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1e-3), begin, true);
 }
 
 void NodeletBase::publish_progress(const ros::Time& stamp) {

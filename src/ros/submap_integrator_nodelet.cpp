@@ -29,6 +29,9 @@ void SubmapIntegratorNodelet::initialize() {
   map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
   worker_ = std::make_unique<Worker>(static_cast<std::size_t>(config_.max_queue));
   advertise();
+}
+
+void SubmapIntegratorNodelet::start() {
   ros::NodeHandle& nh = getMTPrivateNodeHandle();
   if (is_projective_) {
     tf_ = std::make_unique<tf2_ros::Buffer>();

@@ -33,6 +33,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
 
  private:
   void initialize() override;
+  void start() override;
   void advertise();
   void enqueue(const char* what, std::function<void()> task);
   void refuse(const std::string& what, const std::string& reason);

@@ -40,8 +40,11 @@ class UavSimulatorNodelet : public NodeletBase {
     commands_ =
         std::make_unique<UavCommands>(nh, UavCommands::Shared{&mutex_, uav_.get(), &constraints_name_}, *frames_,
                                       constraints_, generator_, [this] { return take_off_refusal(); });
-    progress_ = private_nh.subscribe("progress_in", 1000, &UavSimulatorNodelet::on_progress, this,
-                                     ros::TransportHints().tcpNoDelay());
+  }
+
+  void start() override {
+    progress_ = getMTPrivateNodeHandle().subscribe("progress_in", 1000, &UavSimulatorNodelet::on_progress, this,
+                                                   ros::TransportHints().tcpNoDelay());
     thread_ = std::thread([this] { run(); });
   }
 
