@@ -33,6 +33,8 @@ class NodeletBase : public nodelet::Nodelet {
   const std::string& node() const { return node_; }
   /// Tells the lock-step simulation that everything up to this stamp has been dealt with.
   void publish_progress(const ros::Time& stamp);
+  /// Tells it that these nodes are about to be sent something, and will report this stamp when they are done with it.
+  void announce_work(const std::vector<std::string>& nodes, const ros::Time& stamp);
 
  private:
   void onInit() final;

@@ -3,28 +3,43 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "voxnav/base/time.hpp"
 
 namespace voxnav_simulation {
 
-/// Decides whether simulated time may go on: every listed node must have dealt with everything up to `lag` ago.
-/// A node counts from its first report on, so that nodes may start in any order; one that stays silent for too long
-/// (the caller's wall clock decides) is left behind until it reports again. Not thread-safe.
+/// Decides whether simulated time may go on. Not thread-safe. Three rules:
+/// - Every listed node must have dealt with everything up to `lag` before the last barrier; barriers are the multiples
+///   of `period` (0: every instant is one). With the LiDAR's period and the length of its sweep, time stands still at
+///   the end of each sweep until its cloud has gone all the way, so that every answer comes at that very instant.
+///   A node counts from its first report on, so that nodes may start in any order.
+/// - Work that was announced (begin) must be done, whoever does it.
+/// - The leader, if there is one, says how far time may run; before its first report it does not run at all.
+/// Whoever stays silent for too long (the caller's wall clock decides) is left behind until it reports again.
 class LockStep {
  public:
-  LockStep(const std::vector<std::string>& nodes, voxnav::base::StampNs lag_ns);
+  struct Rules {
+    std::vector<std::string> nodes;
+    voxnav::base::StampNs lag_ns = 0;
+    voxnav::base::StampNs period_ns = 0;
+    std::string leader;  ///< empty: none
+  };
+  explicit LockStep(const Rules& rules);
 
   /// @return true when a node that was left behind is back
   bool report(const std::string& node, voxnav::base::StampNs stamp_ns);
+  /// A node has been sent something that it will report with this stamp. May come after that report.
+  void begin(const std::string& node, voxnav::base::StampNs stamp_ns);
   /// Nodes that keep time from reaching `stamp_ns`; empty: go on.
   std::vector<std::string> missing(voxnav::base::StampNs stamp_ns) const;
   /// No longer waits for a node until its next report.
   void leave_behind(const std::string& node);
   /// Listed nodes that never reported.
   std::vector<std::string> unseen() const;
-  bool is_empty() const { return nodes_.empty(); }
+  /// The leader has not spoken yet.
+  bool is_waiting_for_leader() const { return !leader_.empty() && !has_leader_reported_; }
 
  private:
   struct State {
@@ -32,8 +47,17 @@ class LockStep {
     bool has_reported = false;
     bool is_left_behind = false;
   };
+  voxnav::base::StampNs required(voxnav::base::StampNs stamp_ns) const;
+
   std::map<std::string, State> nodes_;
+  /// Announced minus done, by node and stamp; a report of what was never announced counts -1 and is soon forgotten.
+  std::map<std::pair<voxnav::base::StampNs, std::string>, int> begun_;
   voxnav::base::StampNs lag_ns_;
+  voxnav::base::StampNs period_ns_;
+  std::string leader_;
+  bool has_leader_reported_ = false;
+  bool is_leader_left_behind_ = false;
+  voxnav::base::StampNs horizon_ns_ = 0;
 };
 
 }  // namespace voxnav_simulation

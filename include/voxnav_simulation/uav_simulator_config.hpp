@@ -24,7 +24,9 @@ struct UavSimulatorConfig {
   double speed_factor = 1.0;
   double start_time_s = 10.0;
   std::vector<std::string> lockstep_nodes{};
+  std::string lockstep_leader = "";
   double lockstep_lag_s = 0.3;
+  double lockstep_period_s = 0.0;
   double lockstep_timeout_s = 20.0;
 
   template <class V>
@@ -50,7 +52,11 @@ struct UavSimulatorConfig {
     v("start_time_s", &C::start_time_s, in(1, 2e9), "s", "simulated time at the start");
     v("lockstep_nodes", &C::lockstep_nodes, any(), "",
       "nodes whose progress simulated time waits for; none: real time");
+    v("lockstep_leader", &C::lockstep_leader, any(), "",
+      "node whose progress says how far time may run; before its first report it stands still; empty: none");
     v("lockstep_lag_s", &C::lockstep_lag_s, in(0.01, 60), "s", "how far behind these nodes may be");
+    v("lockstep_period_s", &C::lockstep_period_s, in(0, 10), "s",
+      "time stands still for them at multiples of this only: the LiDAR's period; 0: at any time");
     v("lockstep_timeout_s", &C::lockstep_timeout_s, in(0.1, 3600), "s",
       "wall time after which a silent node is left behind");
   }

@@ -3,6 +3,7 @@
 #include <mrs_msgs/UavState.h>
 #include <std_srvs/Trigger.h>
 
+#include <algorithm>
 #include <deque>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -99,10 +100,19 @@ class LocalMapperNodelet : public NodeletBase {
     process();
   }
 
-  /// They come before the points of their scan; those of scans that were dropped age out.
+  /// Those of scans that were dropped age out.
   void on_open_beams(const sensor_msgs::PointCloud2ConstPtr& msg) {
     open_beams_of_.push_back(msg);
     if (open_beams_of_.size() > static_cast<std::size_t>(config_.max_pending_scans) + 1) open_beams_of_.pop_front();
+    process();
+  }
+
+  /// They come on a connection of their own, sooner or later than the points.
+  bool is_waiting_for_open_beams() const {
+    const auto oldest = scans_->oldest();
+    if (!oldest || oldest->age_s > config_.tf_timeout_s || open_beams_.getNumPublishers() == 0) return false;
+    return std::none_of(open_beams_of_.begin(), open_beams_of_.end(),
+                        [&](const auto& msg) { return msg->header.stamp >= oldest->stamp; });
   }
 
   std::vector<float> open_beams_at(const ros::Time& stamp) const {
@@ -113,7 +123,7 @@ class LocalMapperNodelet : public NodeletBase {
   }
 
   void process() {
-    while (true) {
+    while (!is_waiting_for_open_beams()) {
       PendingScans::Next next = scans_->next();
       if (next.dropped) {
         drop(next.dropped->header.stamp, next.reason);
@@ -192,7 +202,9 @@ class LocalMapperNodelet : public NodeletBase {
 
   void hand_over(const std::vector<pipeline::Handover>& handovers) {
     for (const pipeline::Handover& handover : handovers) {
-      handovers_.publish(to_msg(handover, config_.odometry_frame));
+      const voxnav::Handover msg = to_msg(handover, config_.odometry_frame);
+      announce_work(config_.lockstep_consumers, msg.header.stamp);
+      handovers_.publish(msg);
       NODELET_INFO_STREAM("[" << node() << "]: submap " << handover.submap_id
                               << (handover.is_final ? " closed: " : " early: ") << handover.reason << ", "
                               << handover.content.num_occupied() << " occupied voxels");

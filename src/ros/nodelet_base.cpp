@@ -29,4 +29,14 @@ void NodeletBase::publish_progress(const ros::Time& stamp) {
   progress_.publish(progress);
 }
 
+void NodeletBase::announce_work(const std::vector<std::string>& nodes, const ros::Time& stamp) {
+  for (const std::string& name : nodes) {
+    voxnav::Progress progress;
+    progress.node = name;
+    progress.stamp = stamp;
+    progress.is_begun = true;
+    progress_.publish(progress);
+  }
+}
+
 }  // namespace voxnav_ros

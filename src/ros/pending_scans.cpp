@@ -61,6 +61,15 @@ sensor_msgs::PointCloud2ConstPtr PendingScans::add(const sensor_msgs::PointCloud
   return dropped;
 }
 
+std::optional<PendingScans::Oldest> PendingScans::oldest() const {
+  if (pending_.empty()) return std::nullopt;
+  return Oldest{pending_.front().msg->header.stamp, waited_s(pending_.front())};
+}
+
+double PendingScans::waited_s(const Waiting& waiting) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - waiting.since).count();
+}
+
 PendingScans::Next PendingScans::next() {
   Next out;
   if (pending_.empty()) return out;
@@ -70,8 +79,7 @@ PendingScans::Next PendingScans::next() {
     out.scan = std::move(scan);
     out.scan->points = std::move(oldest.points);
   } else {
-    const double waited_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - oldest.since).count();
-    if (waited_s < timeout_s_) return out;
+    if (waited_s(oldest) < timeout_s_) return out;
     out.dropped = oldest.msg;
     out.reason = "no pose within " + std::to_string(timeout_s_) + " s: " + problem;
   }

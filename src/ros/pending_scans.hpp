@@ -50,6 +50,11 @@ class PendingScans {
   };
   /// The oldest scan if it is located or overdue; call until both are empty.
   Next next();
+  struct Oldest {
+    ros::Time stamp;
+    double age_s;  ///< wall time since it came
+  };
+  std::optional<Oldest> oldest() const;
   void clear() { pending_.clear(); }
 
  private:
@@ -58,6 +63,7 @@ class PendingScans {
     ScanPoints points;
     std::chrono::steady_clock::time_point since;
   };
+  static double waited_s(const Waiting& waiting);
   std::optional<LocatedScan> locate(const Waiting& waiting, std::string* problem) const;
   std::optional<voxnav::geometry::Pose> lookup(const std::string& frame, const ros::Time& stamp,
                                                std::string* problem) const;

@@ -119,7 +119,9 @@ void SubmapIntegratorNodelet::take_handover(const voxnav::Handover& msg) {
 
 void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   entry.T_W_S = T_W_O_ * entry.T_O_S;
-  submap_.publish(to_msg(entry, odometry_frame_));
+  const voxnav::Submap msg = to_msg(entry, odometry_frame_);
+  announce_work(config_.lockstep_consumers, msg.header.stamp);
+  submap_.publish(msg);
   newest_id_ = entry.id;
   const ros::Time stamp = to_ros(entry.end_ns);
   map_->collection().add(std::move(entry));
@@ -174,7 +176,10 @@ void SubmapIntegratorNodelet::on_snapshot_time(const ros::SteadyTimerEvent&) {
 }
 
 void SubmapIntegratorNodelet::on_poses(const voxnav::SubmapPosesConstPtr& msg) {
-  enqueue("submap poses", [this, msg] { take_poses(*msg); });
+  enqueue("submap poses", [this, msg] {
+    take_poses(*msg);
+    publish_progress(msg->header.stamp);
+  });
 }
 
 void SubmapIntegratorNodelet::take_poses(const voxnav::SubmapPoses& msg) {

@@ -59,11 +59,13 @@ class FlightTest(unittest.TestCase):
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight before killing " + victim)
         num_reasons, began = len(self.recorder.reasons), time.monotonic()
         self.kill(victim)
-        self.wait(lambda: self.recorder.speed_mps < 0.1, "rest after killing " + victim)
-        self.wait(lambda: self.recorder.speed_mps > 0.5, "flight after killing " + victim)
-        reasons = self.recorder.reasons[num_reasons:]
-        print("%s: flies on %.1f s after it was killed; %s" % (victim, time.monotonic() - began, reasons))
-        self.assertTrue(any(reason.startswith(("hover", "brake")) for reason in reasons), reasons)
+        # A node that is back at once leaves no time to come to rest.
+        self.wait(lambda: any(reason.startswith(("hover", "brake")) for reason in self.recorder.reasons[num_reasons:]),
+                  "hover after killing " + victim)
+        self.wait(lambda: self.recorder.reasons[-1].startswith("moving") and self.recorder.speed_mps > 0.5,
+                  "flight after killing " + victim)
+        print("%s: flies on %.1f s after it was killed; %s" % (
+            victim, time.monotonic() - began, self.recorder.reasons[num_reasons:]))
 
     def kill_planner(self):
         """It cannot brake any more, but every trajectory ends at rest in known free space, and the goal is kept."""

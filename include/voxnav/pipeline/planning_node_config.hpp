@@ -20,6 +20,7 @@ struct PlanningNodeConfig {
   double service_timeout_s = 2.0;
   double generator_time_s = 0.3;
   bool is_synchronous = false;
+  double synchronous_lag_s = 0.1;
   bool keep_goal_over_restart = true;
 
   template <class V>
@@ -38,7 +39,9 @@ struct PlanningNodeConfig {
     v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "of wall time, for an answer of any service");
     v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time asked of the trajectory generator");
     v("is_synchronous", &C::is_synchronous, base::any(), "",
-      "search and call services within the main loop: for lock-step simulation, where time waits");
+      "for lock-step simulation, where time waits: everything is done once per local map, with what is known then");
+    v("synchronous_lag_s", &C::synchronous_lag_s, in(0, 10), "s",
+      "simulated time waits this long after the stamp of a local map: the length of a sweep");
     v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
       "a restarted node takes up the goal that it was flying to");
   }

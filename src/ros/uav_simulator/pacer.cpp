@@ -17,7 +17,8 @@ double seconds(std::chrono::steady_clock::duration d) { return std::chrono::dura
 Pacer::Pacer(const voxnav_simulation::UavSimulatorConfig& config)
     : speed_factor_(config.speed_factor),
       timeout_s_(config.lockstep_timeout_s),
-      lock_step_(config.lockstep_nodes, voxnav::base::from_seconds(config.lockstep_lag_s)) {}
+      lock_step_({config.lockstep_nodes, voxnav::base::from_seconds(config.lockstep_lag_s),
+                  voxnav::base::from_seconds(config.lockstep_period_s), config.lockstep_leader}) {}
 
 void Pacer::wait(voxnav::base::StampNs stamp_ns, const std::function<void()>& on_idle) {
   const double sim_s = voxnav::base::to_seconds(stamp_ns);
@@ -37,7 +38,8 @@ void Pacer::wait_for_nodes(voxnav::base::StampNs stamp_ns, const std::function<v
   while (!is_stopped_) {
     const std::vector<std::string> missing = lock_step_.missing(stamp_ns);
     if (missing.empty()) return;
-    if (seconds(Clock::now() - since) > timeout_s_) {
+    // Nodes may take as long as they need to start.
+    if (!lock_step_.is_waiting_for_leader() && seconds(Clock::now() - since) > timeout_s_) {
       for (const std::string& node : missing) {
         lock_step_.leave_behind(node);
         events_.push_back({true, "lock-step: no progress from " + node + " at simulated time " +
@@ -87,6 +89,11 @@ void Pacer::report(const std::string& node, voxnav::base::StampNs stamp_ns) {
     if (lock_step_.report(node, stamp_ns)) events_.push_back({false, "lock-step: " + node + " is back"});
   }
   progress_.notify_all();
+}
+
+void Pacer::begin(const std::string& node, voxnav::base::StampNs stamp_ns) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  lock_step_.begin(node, stamp_ns);
 }
 
 void Pacer::stop() {

@@ -23,6 +23,8 @@ class Pacer {
   /// Waits until time may reach `stamp_ns`. `on_idle` is called ten times a second while nodes are waited for.
   void wait(voxnav::base::StampNs stamp_ns, const std::function<void()>& on_idle);
   void report(const std::string& node, voxnav::base::StampNs stamp_ns);
+  /// A node was sent something that it will report.
+  void begin(const std::string& node, voxnav::base::StampNs stamp_ns);
   void stop();
 
   std::vector<std::string> unseen() const;

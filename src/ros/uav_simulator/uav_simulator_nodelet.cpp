@@ -124,7 +124,9 @@ class UavSimulatorNodelet : public NodeletBase {
     return names.empty() ? names : "lock-step: no progress yet from " + names;
   }
 
-  void on_progress(const voxnav::ProgressConstPtr& msg) { pacer_->report(msg->node, to_ns(msg->stamp)); }
+  void on_progress(const voxnav::ProgressConstPtr& msg) {
+    msg->is_begun ? pacer_->begin(msg->node, to_ns(msg->stamp)) : pacer_->report(msg->node, to_ns(msg->stamp));
+  }
 
   voxnav_simulation::UavSimulatorConfig config_;
   voxnav_simulation::UavConfig uav_config_;

@@ -32,7 +32,7 @@ def main(argv=None):
     started = time.monotonic()
     world = mission.simulated_world(args.world, args.seed)
     launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
-                   "lockstep": str(args.lockstep).lower(),
+                   "lockstep": str(args.lockstep).lower(), "lockstep_leader": "demo" if args.lockstep else "",
                    "custom_config": os.path.abspath(args.config) if args.config else ""}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     rviz = None
@@ -46,7 +46,8 @@ def main(argv=None):
             rviz = Rviz(env, config, os.path.join(args.out, "rviz.log"))
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
-        demo_mission.fly(record, mission.goal_of(world), os.path.join(args.out, "map"))
+        demo_mission.fly(record, mission.goal_of(world), os.path.join(args.out, "map"),
+                         is_lockstep=args.lockstep)
         notes = show(args, env, record, rviz, config, mission.trunks(world))
     finally:
         if rviz:

@@ -47,6 +47,12 @@ class FlightRecord:
     def odometry(self):
         return self.odometry_track.arrays()
 
+    def until_its_end(self, track):
+        """The part of (stamps (n,), positions (n, 3)) up to the end of the mission."""
+        stamps, positions = track
+        inside = stamps <= (np.inf if self.mission is None else self.mission[1])
+        return stamps[inside], positions[inside]
+
     def flown_during_mission(self):
         """The true path from the goal's arrival to the end of the mission; by odometry where the truth is unknown."""
         stamps, positions = self.truth if len(self.truth[0]) else self.odometry

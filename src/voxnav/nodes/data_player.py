@@ -58,6 +58,8 @@ class DataPlayer:
 
     def _on_progress(self, msg):
         with self._changed:
+            if msg.is_begun:
+                return
             self._progress[msg.node] = max(msg.stamp.to_sec(), self._progress.get(msg.node, 0.0))
             self._changed.notify_all()
 

@@ -21,6 +21,10 @@ NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "su
          "planning_manager")
 
 FINAL_DIAGNOSTICS_S = 5.0
+# Lock-step: simulated time between two looks at the flight, and wall time for nodes to connect before it begins.
+LEADER_STEP_S = 0.5
+CONNECTION_S = 3.0
+WARM_UP_STEPS = 4
 
 
 class MissionError(RuntimeError):
@@ -30,8 +34,9 @@ class MissionError(RuntimeError):
 class FlightRecorder:
     """Subscribes below the UAV's namespace and fills a voxnav.demo.record.FlightRecord."""
 
-    def __init__(self, record, nodes=NODES, odometry_topic="estimation_manager/odom_main"):
-        self.record, self._expected = record, nodes
+    def __init__(self, record, nodes=NODES, odometry_topic="estimation_manager/odom_main", leader=None):
+        """leader: TimeLeader of a lock-step simulation, or None where time runs by itself."""
+        self.record, self._expected, self._leader = record, nodes, leader
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._obstacles = None
@@ -68,7 +73,7 @@ class FlightRecorder:
 
     def _on_clearance(self, msg):
         with self._lock:
-            if self.record.mission is not None:
+            if self.record.mission is not None and msg.header.stamp.to_sec() <= self.record.mission[1]:
                 known = self.record.min_clearance_m
                 self.record.min_clearance_m = msg.clearance_m if known is None else min(known, msg.clearance_m)
 
@@ -105,19 +110,42 @@ class FlightRecorder:
                     return
             if time.monotonic() > deadline:
                 raise MissionError("waited %.0f s in vain for %s" % (timeout_s, what))
-            time.sleep(0.05)
+            if self._is_leading():
+                self._let_time_run(deadline)
+            else:
+                time.sleep(0.05)
         raise MissionError("interrupted while waiting for %s" % what)
 
-    def wait_for_nodes(self, timeout_s):
+    def _is_leading(self):
+        return self._leader is not None and self._leader.is_leading
+
+    def _let_time_run(self, deadline):
+        """Lock-step: a step further, until the planner has said what it makes of that instant."""
         try:
-            self.wait_until(lambda: all(node in self._nodes for node in self._expected), timeout_s, "nodes")
-        except MissionError as error:
-            missing = [node for node in self._expected if node not in self._nodes]
-            raise MissionError("%s: not heard %s" % (error, ", ".join(missing)))
+            now_s = self._leader.run_for(LEADER_STEP_S)
+        except TimeoutError as error:
+            raise MissionError(str(error))
+        while self._status is not None and self._status.header.stamp.to_sec() < now_s - 1e-3:
+            if time.monotonic() > deadline or rospy.is_shutdown():
+                raise MissionError("the planner does not keep up with lock-step")
+            time.sleep(0.002)
+
+    def wait_for_nodes(self, timeout_s):
+        deadline = time.monotonic() + timeout_s
+        while not all(node in self._nodes for node in self._expected):
+            if time.monotonic() > deadline or rospy.is_shutdown():
+                missing = [node for node in self._expected if node not in self._nodes]
+                raise MissionError("waited %.0f s in vain for nodes: not heard %s" % (timeout_s, ", ".join(missing)))
+            time.sleep(0.05)
+        if self._is_leading():
+            time.sleep(CONNECTION_S)
 
     def take_off(self, timeout_s):
         rospy.wait_for_service("uav_manager/takeoff", timeout_s)
         take_off = rospy.ServiceProxy("uav_manager/takeoff", Trigger)
+        if self._is_leading():
+            for _ in range(WARM_UP_STEPS):
+                self._let_time_run(time.monotonic() + timeout_s)
         deadline = time.monotonic() + timeout_s
         response = take_off()
         # Refused while nodes that lock-step waits for are still starting.
@@ -137,7 +165,8 @@ class FlightRecorder:
         rospy.wait_for_service("planning_manager/reference", 10.0)
         with self._lock:
             if self.record.mission is None:
-                self.record.mission = (self._newest_truth(), float("inf"))
+                start_s = self._leader.now_s if self._is_leading() else self._newest_truth()
+                self.record.mission = (start_s, float("inf"))
                 self._dropped_before = self._dropped(self._nodes)
         response = rospy.ServiceProxy("planning_manager/reference", ReferenceStampedSrv)(request)
         if not response.success:
@@ -152,7 +181,7 @@ class FlightRecorder:
             self.wait_until(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
         finally:
             with self._lock:
-                self.record.mission = (self.record.mission[0], self._newest_truth())
+                self.record.mission = (self.record.mission[0], self._status.header.stamp.to_sec())
                 self.record.reached = bool(self._status.is_goal_reached)
                 self.record.reason = self._status.reason
 

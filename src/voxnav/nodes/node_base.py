@@ -85,6 +85,11 @@ class ProgressPublisher:
     def publish(self, stamp):
         self._publisher.publish(Progress(node=self._node, stamp=stamp))
 
+    def announce(self, nodes, stamp):
+        """These nodes are about to be sent something; they will report this stamp when they are done with it."""
+        for node in nodes:
+            self._publisher.publish(Progress(node=node, stamp=stamp, is_begun=True))
+
 
 def run_node(name, make_node):
     """Start a node: bad parameters end it with every problem listed, not with a traceback."""

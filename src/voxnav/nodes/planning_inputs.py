@@ -20,6 +20,8 @@ from voxnav.nodes.planning_services import ServiceError, TimedService
 from voxnav.srv import GetGrid, GetGridRequest
 
 SNAPSHOT_INTERVAL_S = 1.0
+# In lock-step time waits for the planner, so that what it waits for comes at once or never.
+INPUT_WAIT_S = 0.5
 IDENTITY = Transform(rotation=Quaternion(w=1.0))
 
 
@@ -39,8 +41,10 @@ def matrix(position, orientation):
 class GridFeed:
     """One GridUpdate topic into a layer of the NavigationMap; asks for a snapshot when a change was missed."""
 
-    def __init__(self, topic, service, apply, on_applied, timeout_s):
+    def __init__(self, topic, service, apply, on_applied, timeout_s, is_deferred=False):
+        """is_deferred: updates wait for release()."""
         self._apply, self._on_applied = apply, on_applied
+        self._deferred = collections.deque(maxlen=100) if is_deferred else None
         self._service = TimedService(service, GetGrid, timeout_s)
         self._recent = collections.deque(maxlen=30)  # changes that come while the snapshot is on its way
         self._lock = threading.Lock()
@@ -50,6 +54,22 @@ class GridFeed:
         rospy.Subscriber(topic, GridUpdate, self._on_update, queue_size=20, buff_size=1 << 22)
 
     def _on_update(self, msg):
+        if self._deferred is None:
+            self._receive(msg)
+        else:
+            with self._lock:
+                self._deferred.append(msg)
+
+    def release(self, before_s):
+        """Take what was stamped before a time and has been deferred."""
+        with self._lock:
+            ready = [msg for msg in self._deferred if msg.header.stamp.to_sec() < before_s]
+            for msg in ready:
+                self._deferred.remove(msg)
+        for msg in ready:
+            self._receive(msg)
+
+    def _receive(self, msg):
         with self._lock:
             self._recent.append(msg)
             needs_snapshot = self._take(msg) == "needs_snapshot"
@@ -112,11 +132,17 @@ class Heartbeats:
 
 
 class PlanningInputs:
-    """Subscribes to everything and keeps manager and map up to date. `lock` guards the manager."""
+    """Subscribes to everything and keeps manager and map up to date. `lock` guards the manager.
 
-    def __init__(self, config, manager, navigation_map, lock, on_jump):
+    on_cycle(stamp_s) is called for every local map in lock-step; None otherwise.
+    """
+
+    def __init__(self, config, manager, navigation_map, lock, on_jump, on_cycle=None):
         self._config, self._manager, self._map, self._lock = config, manager, navigation_map, lock
-        self._on_jump = on_jump
+        self._on_jump, self._on_cycle = on_jump, on_cycle
+        self._corrections = collections.deque(maxlen=100)  # of lock-step: (stamp_s, T_W_O)
+        self._arrived = threading.Condition()
+        self._odometry_s = self._tracker_s = 0.0
         self.odometry_frame, self.map_frame = "", config.map_frame
         self.T_W_O = None
         self.position_O = self.limits = None
@@ -129,7 +155,7 @@ class PlanningInputs:
         timeout_s = config.service_timeout_s
         self.local = GridFeed("~local_map_in", "~get_map_out", navigation_map.apply_local, self._on_map, timeout_s)
         self.obstacles = GridFeed("~obstacles_in", "~get_obstacles_out", navigation_map.apply_obstacles,
-                                  lambda stamp_s: None, timeout_s)
+                                  lambda stamp_s: None, timeout_s, is_deferred=on_cycle is not None)
         rospy.Subscriber("~odometry_in", Odometry, self._on_odometry, queue_size=1)
         rospy.Subscriber("~uav_state_in", UavState, self._on_uav_state, queue_size=1)
         rospy.Subscriber("~control_diagnostics_in", ControlManagerDiagnostics, self._on_control, queue_size=1)
@@ -138,9 +164,20 @@ class PlanningInputs:
         # Raw: a prediction of 40 full states at 100 Hz costs much to decode and is needed at the main rate at most.
         rospy.Subscriber("~tracker_cmd_in", rospy.AnyMsg, self._on_tracker, queue_size=1)
 
+    def catch_up(self, map_stamp_s, now_s):
+        """Lock-step: what of the vehicle is known at the instant of a cycle, what of the global map was before it."""
+        with self._arrived:
+            self._arrived.wait_for(lambda: min(self._odometry_s, self._tracker_s) > now_s - 1e-4, INPUT_WAIT_S)
+        self.obstacles.release(map_stamp_s)
+        while self._corrections and self._corrections[0][0] < map_stamp_s:
+            self.T_W_O = self._corrections.popleft()[1]
+        T = np.eye(4) if self.T_W_O is None else self.T_W_O
+        self._keep_correction(now_s, T)
+
     def update(self, now_s):
         """Before each tick: what is not driven by its own message."""
-        self._update_correction(now_s)
+        if self._on_cycle is None:
+            self._update_correction(now_s)
         self._update_prediction()
         with self._lock:
             self._manager.set_lost_nodes(self._heartbeats.lost())
@@ -155,6 +192,8 @@ class PlanningInputs:
     def _on_map(self, stamp_s):
         with self._lock:
             self._manager.set_map_stamp(stamp_s)
+        if self._on_cycle is not None:
+            self._on_cycle(stamp_s)
 
     def _on_odometry(self, msg):
         p, v = msg.pose.pose.position, msg.twist.twist.linear
@@ -171,6 +210,9 @@ class PlanningInputs:
         self._map.set_vehicle(position)
         with self._lock:
             self._manager.set_vehicle(msg.header.stamp.to_sec(), position, velocity)
+        with self._arrived:
+            self._odometry_s = msg.header.stamp.to_sec()
+            self._arrived.notify_all()
 
     def _on_uav_state(self, msg):
         if self._iteration is not None and msg.estimator_iteration != self._iteration:
@@ -194,6 +236,11 @@ class PlanningInputs:
 
     def _on_tracker(self, msg):
         self._tracker_buffer = msg._buff
+        if self._on_cycle is not None:
+            seconds, nanoseconds = struct.unpack_from("<II", msg._buff, 4)  # of the header, after its sequence
+            with self._arrived:
+                self._tracker_s = seconds + 1e-9 * nanoseconds
+                self._arrived.notify_all()
 
     def _update_prediction(self):
         buffer, self._tracker_buffer = self._tracker_buffer, None
@@ -219,6 +266,8 @@ class PlanningInputs:
     def _on_submap_poses(self, msg):
         if msg.header.frame_id:
             self.map_frame = msg.header.frame_id
+        if self._on_cycle is not None:
+            self._corrections.append((msg.header.stamp.to_sec(), matrix(msg.T_W_O.position, msg.T_W_O.orientation)))
 
     def _update_correction(self, now_s):
         if not self._config.use_map_correction:
@@ -237,11 +286,13 @@ class PlanningInputs:
 
     def _set_correction(self, stamp_s, transform):
         try:
-            T = matrix(transform.translation, transform.rotation)
-            self._map.set_T_W_O(T)
-            with self._lock:
-                self._manager.set_T_W_O(stamp_s, T)
-            self.T_W_O = T
+            self._keep_correction(stamp_s, matrix(transform.translation, transform.rotation))
         except ValueError as error:
             self.num_bad += 1
             rospy.logwarn_throttle(5.0, "map correction refused: %s", error)
+
+    def _keep_correction(self, stamp_s, T):
+        self._map.set_T_W_O(T)
+        with self._lock:
+            self._manager.set_T_W_O(stamp_s, T)
+        self.T_W_O = T

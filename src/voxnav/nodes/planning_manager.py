@@ -11,6 +11,7 @@ import voxnav
 from voxnav.msg import NodeDiagnostics
 from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
 from voxnav.nodes.params import load_sections
+from voxnav.nodes.planning_cycle import CycleClock, exact_time
 from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
@@ -49,6 +50,7 @@ class PlanningManagerNode:
         self._map = voxnav.NavigationMap(limits)
         self._manager = voxnav.PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
         self._lock = threading.RLock()  # guards the manager
+        self._clock = CycleClock(node.synchronous_lag_s)
         self._waypoints, self._limits, self._last_now = np.zeros((0, 3)), None, 0.0
         self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
         self._diagnostics = Diagnostics(NAME)
@@ -58,18 +60,34 @@ class PlanningManagerNode:
         # Stopping must not wait behind a search or a generator.
         self._thinker = Worker("thinker", self._answer)
         self._commander = Worker("commander", self._answer)
-        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump)
+        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump,
+                                      self._cycle if node.is_synchronous else None)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
         self._resume_kept_goal()
         for rate_hz, callback in ((node.main_rate_hz, self._tick), (node.check_rate_hz, self._check),
                                   (node.status_rate_hz, self._show)):
-            rospy.Timer(rospy.Duration(1.0 / rate_hz), callback, reset=True)
+            rospy.Timer(rospy.Duration(1.0 / rate_hz), self._unless_cycling(callback), reset=True)
 
     # Timers
 
-    def _tick(self, _):
-        now = rospy.Time.now()
+    def _unless_cycling(self, callback):
+        def timer(_):
+            if not self._config.is_synchronous or self._clock.is_map_missing():
+                callback()
+        return timer
+
+    def _cycle(self, map_stamp_s):
+        """Lock-step: all there is to do, at the instant at which simulated time waits for it."""
+        self._inputs.catch_up(map_stamp_s, self._clock.instant_of(map_stamp_s))
+        with self._clock.cycle(map_stamp_s):
+            self._check()
+            self._tick()
+            self._show()
+        self._progress.publish(exact_time(map_stamp_s))
+
+    def _tick(self):
+        now = self._clock.now()
         if now.to_sec() < self._last_now - 1.0:
             rospy.logwarn("[%s]: the clock jumped back", NAME)
             self._inputs.reset()
@@ -79,23 +97,22 @@ class PlanningManagerNode:
             with self._lock:
                 actions = self._manager.tick(now.to_sec())
             self._dispatch(actions)
-        self._progress.publish(now)
 
-    def _check(self, _):
+    def _check(self):
         with self._diagnostics.time("check"):
             view = self._map.view()
             with self._lock:
-                actions = self._manager.check(view, rospy.Time.now().to_sec())
+                actions = self._manager.check(view, self._clock.now().to_sec())
             self._dispatch(actions)
 
-    def _show(self, _):
+    def _show(self):
         with self._lock:
             status = self._manager.status
-            path = self._manager.remaining_path(rospy.Time.now().to_sec())
+            path = self._manager.remaining_path(self._clock.now().to_sec())
         inputs = self._inputs
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
-        self._output.publish(status, inputs, path, self._waypoints if status["goal_W"] is not None else path[:0],
+        self._output.publish(self._clock.now(), status, inputs, path, self._waypoints if status["goal_W"] is not None else path[:0],
                              position_W)
         self._keep_goal(status["goal_W"])
         self._report(status)
@@ -113,21 +130,21 @@ class PlanningManagerNode:
 
     def _set_goal(self, goal_W, heading_W):
         with self._lock:
-            problem = self._manager.set_goal(goal_W, heading_W, rospy.Time.now().to_sec())
+            problem = self._manager.set_goal(goal_W, heading_W, self._clock.now().to_sec())
         if not problem:
             rospy.loginfo("[%s]: goal (%.1f, %.1f, %.1f)", NAME, *goal_W)
         return problem
 
     def _stop(self):
         with self._lock:
-            actions = self._manager.stop("stopped by command", rospy.Time.now().to_sec())
+            actions = self._manager.stop("stopped by command", self._clock.now().to_sec())
         self._dispatch(actions)
         return "stopping"
 
     def _on_jump(self, reason):
         rospy.logwarn("[%s]: %s", NAME, reason)
         with self._lock:
-            actions = self._manager.frame_jumped(reason, rospy.Time.now().to_sec())
+            actions = self._manager.frame_jumped(reason, self._clock.now().to_sec())
         self._dispatch(actions)
 
     # Actions
@@ -149,7 +166,7 @@ class PlanningManagerNode:
             with self._diagnostics.time(action.kind):
                 finish = getattr(self, "_do_" + action.kind)(action)
             with self._lock:
-                actions = finish(rospy.Time.now().to_sec())
+                actions = finish(self._clock.now().to_sec())
         except (ValueError, RuntimeError, rospy.ROSException) as error:
             rospy.logerr("[%s]: %s failed: %s", NAME, action.kind, error)
             return
@@ -165,7 +182,7 @@ class PlanningManagerNode:
 
     def _do_generate(self, action):
         problem, trajectory = self._services.generate(action, self._inputs.odometry_frame,
-                                                      rospy.Time.now().to_sec())
+                                                      self._clock.now().to_sec())
         view = self._map.view()
         return lambda now: self._manager.generate_done(action.job, problem, trajectory, view, now)
 

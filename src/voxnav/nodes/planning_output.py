@@ -42,9 +42,8 @@ class PlanningOutput:
         self._display = rospy.Publisher("~display_string_out", String, queue_size=2)
         self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
 
-    def publish(self, status, inputs, path_O, waypoints_O, position_W):
+    def publish(self, stamp, status, inputs, path_O, waypoints_O, position_W):
         """status: dict of voxnav.PlanningManager.status; paths: (k, 3) in frame O."""
-        stamp = rospy.Time.now()
         self._publish_status(status, inputs.map_frame, stamp, position_W)
         flags = "-id planning_manager -p " + STATE_COLOURS[status["state"]]
         line = "%s: %s" % (STATE_NAMES[status["state"]], status["reason"])

@@ -236,6 +236,7 @@ class SubmapOptimizer:
     def _publish(self, report, solve_s):
         frame, stamp, session = self._config.map_frame, self._latest_stamp, self._session
         with self._diagnostics.time("publish"):
+            self._progress.announce(self._config.lockstep_consumers, stamp)
             self._poses_out.publish(graph_messages.poses_to_msg(session, stamp, frame))
             self._report_out.publish(graph_messages.report_to_msg(report, session, stamp, frame, solve_s))
             self._markers_out.publish(

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A lock-step flight does not depend on the machine: the same to the last bit, idle or loaded."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+rospkg = pytest.importorskip("rospkg")
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+# What the machine may change.
+OF_THE_MACHINE = ("stages", "rss_mb", "real_time_factor", "fell_behind")
+
+
+@contextlib.contextmanager
+def load(num_processes):
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(num_processes)]
+    try:
+        yield
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+
+
+def fly(out):
+    """Facts of a flight through the grove, and its map's bytes."""
+    command = [os.path.join(ROOT, "scripts", "demo"), "--world", "grove", "--lockstep", "--speed", "0", "--no-rviz",
+               "--out", str(out)]
+    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300)
+    assert run.returncode == 0, run.stdout.decode()[-3000:]
+    with open(str(out / "summary.json")) as source:
+        summary = json.load(source)
+    return {key: value for key, value in summary.items() if key not in OF_THE_MACHINE}
+
+
+def test_flights_are_the_same_on_an_idle_and_on_a_loaded_machine(tmp_path):
+    try:
+        rospkg.RosPack().get_path("voxnav")
+    except rospkg.ResourceNotFound:
+        pytest.skip("voxnav is not in a catkin workspace")
+    first = fly(tmp_path / "idle")
+    with load(3):
+        second = fly(tmp_path / "loaded")
+    assert first["reached"]
+    assert first == second
