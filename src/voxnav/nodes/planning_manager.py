@@ -112,8 +112,8 @@ class PlanningManagerNode:
         inputs = self._inputs
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
-        self._output.publish(self._clock.now(), status, inputs, path, self._waypoints if status["goal_W"] is not None else path[:0],
-                             position_W)
+        waypoints = self._waypoints if status["goal_W"] is not None else path[:0]
+        self._output.publish(self._clock.now(), status, inputs, path, waypoints, position_W)
         self._keep_goal(status["goal_W"])
         self._report(status)
 
