@@ -114,10 +114,10 @@ class LocalMapperTest(unittest.TestCase):
     def test_deltas_rebuild_the_map_that_the_service_gives(self):
         for _ in range(5):
             self.scan()
-        self.assertTrue(wait_for(lambda: self.updates and mirror(self.updates)))
-        time.sleep(0.3)
         answer = rospy.ServiceProxy("local_mapper/get_map_in", GetGrid)()
         self.assertTrue(answer.success)
+        self.assertTrue(mirror([answer.grid]))
+        self.assertTrue(wait_for(lambda: self.updates and self.updates[-1].sequence == answer.grid.sequence))
         self.assertEqual(mirror(self.updates), mirror([answer.grid]))
         self.assertEqual(answer.grid.header.frame_id, "uav1/world_origin")
         self.assertEqual([u.sequence for u in self.updates],
