@@ -6,6 +6,8 @@ export CCACHE_DIR ?= $(HOME)/.cache/ccache
 # Objects are shared between clones of this repository, wherever they lie.
 export CCACHE_BASEDIR := $(CURDIR)
 export CCACHE_NOHASHDIR := 1
+# What ccache asks for to keep objects made with precompiled headers.
+export CCACHE_SLOPPINESS := pch_defines,time_macros
 
 # Where a binary ROS keeps what Debian has below /usr (octomap).
 ifneq ($(wildcard /opt/ros/noetic),)
