@@ -55,7 +55,7 @@ TEST(TrajectoryLimits, HoldWhenContinuingAnyMotion) {
     std::mt19937 random(static_cast<unsigned>(1000 + seed));
     PathRequest request = random_request(seed, &random);
     std::uniform_real_distribution<double> angle(-3.14, 3.14), unit(0, 1);
-    const auto direction = [&](double length) {
+    const auto direction = [&](double length) -> Vec3 {
       const double a = angle(random);
       return Vec3(std::cos(a), std::sin(a), 0) * length;
     };
