@@ -7,20 +7,34 @@
 
 #include <vector>
 
+#include "voxnav/SceneChanges.h"
 #include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav_ros {
 
-/// Voxels that hold a believed surface, as one CUBE_LIST per submap in the submap's colour; the first marker deletes
-/// what was shown before. Beyond max_cubes every n-th voxel is left out, evenly.
-visualization_msgs::MarkerArray occupancy_markers(const voxnav::submap::SubmapCollection& collection,
-                                                  const std_msgs::Header& header, std::size_t max_cubes);
+using Blocks = std::vector<voxnav::geometry::Index3>;
 
-/// Mesh of one submap as TRIANGLE_LIST at its pose; the marker id is the submap id.
-visualization_msgs::Marker mesh_marker(const voxnav::submap::SubmapEntry& entry, const std_msgs::Header& header,
-                                       std::size_t max_triangles);
+/// A marker that is still to be filled.
+visualization_msgs::Marker blank_marker(const char* ns, std::int32_t type, double scale_m);
 
-/// Distances to the nearest believed surface (field `intensity`) on a horizontal plane through known space of `bounds`.
+/// How voxels that hold a believed surface are shown as cubes.
+struct CubeStyle {
+  int min_hits = 1;              ///< surfaces that fewer scans have hit are left out
+  bool is_by_submap = false;     ///< one colour per submap; else by height
+  double color_period_m = 20.0;  ///< heights after which colours repeat
+};
+
+/// Adds the voxels of some blocks whose centre the distance field has nearer to a surface than half a voxel diagonal,
+/// because the surface point lies in them.
+void add_cubes(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks, const CubeStyle& style,
+               visualization_msgs::Marker* marker);
+
+/// Adds the triangles of the merged mesh in some blocks, coloured by height.
+void add_mesh(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks, double color_period_m,
+              std::size_t max_triangles, visualization_msgs::Marker* marker);
+
+/// Distances to the nearest believed surface (field `intensity`) on a horizontal plane through known space of `bounds`;
+/// coarser than the voxels when more than max_points would be needed.
 sensor_msgs::PointCloud2 distance_slice(const voxnav::submap::EvidenceMap& evidence,
                                         const voxnav::geometry::Aabb& bounds, double height_m, double max_distance_m,
                                         std::size_t max_points, const std_msgs::Header& header);
@@ -28,5 +42,12 @@ sensor_msgs::PointCloud2 distance_slice(const voxnav::submap::EvidenceMap& evide
 /// Centres of occupied voxels; beyond max_points every n-th is left out, evenly.
 sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& grid, std::size_t max_points,
                                         const std_msgs::Header& header);
+
+/// The largest changes first, at most `max_changes`.
+voxnav::SceneChanges to_msg(std::vector<voxnav::submap::SceneChange> changes, std::size_t max_changes,
+                            const std_msgs::Header& header);
+
+/// A green box around what appeared and a red one around what disappeared; the first marker deletes all others.
+visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes);
 
 }  // namespace voxnav_ros

@@ -112,24 +112,24 @@ py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_
   return rows_of(out);
 }
 
-py::tuple colored_mesh(const SubmapCollection& collection) {
-  const submap::Mesh mesh = submap::extract_mesh(collection);
+py::tuple colored_mesh(SubmapCollection& collection) {
+  const submap::Mesh mesh = submap::extract_mesh(&collection);
   std::vector<std::uint8_t> colors;
   for (const submap::Color& color : mesh.colors) colors.insert(colors.end(), color.begin(), color.end());
   const py::tuple geometry = mesh_tuple(mesh);
   return py::make_tuple(geometry[0], geometry[1], array_from(std::move(colors), 3));
 }
 
-void save_mesh(const SubmapCollection& collection, const std::string& path) {
+void save_mesh(SubmapCollection& collection, const std::string& path) {
   std::ofstream out(path, std::ios::binary);
-  const std::string bytes = submap::to_ply(submap::extract_mesh(collection));
+  const std::string bytes = submap::to_ply(submap::extract_mesh(&collection));
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
 }
 
-py::object load(const std::string& directory, bool recover) {
+py::object load(const std::string& directory, bool recover, const SubmapCollectionConfig* config) {
   std::vector<std::string> problems;
-  SubmapCollection collection = SubmapCollection::load(directory, recover ? &problems : nullptr);
+  SubmapCollection collection = SubmapCollection::load(directory, recover ? &problems : nullptr, config);
   py::object out = py::cast(std::move(collection));
   return recover ? py::object(py::make_tuple(out, problems)) : out;
 }
@@ -186,7 +186,8 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
       .def("changes", &changes, py::arg("min_voxels") = 10,
            "Things that came or went between submaps: dicts kind, center, box_min, box_max [m, W], voxels, submap.")
       .def("states", &states, py::arg("points_W"), "(n,) int8 states (0 unknown, 1 free, 2 occupied).")
-      .def("mesh", &colored_mesh, "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8), frame W.")
+      .def("mesh", &colored_mesh,
+           "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8) of what is believed, frame W.")
       .def(
           "save_octomap",
           [](SubmapCollection& c, const std::string& path) {
@@ -197,7 +198,7 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
           "The merged map for OctoMap: .ot (log-odds) or .bt (binary).")
       .def("save_clouds", &submap::save_clouds, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
            "Surface points of each submap as submap_<id>.ply (frame S), and poses.txt: id end_s x y z qx qy qz qw.")
-      .def("save_mesh", &save_mesh, py::arg("path"), "Binary PLY, one colour per submap.");
+      .def("save_mesh", &save_mesh, py::arg("path"), "The mesh as binary PLY, coloured by height.");
 }
 
 }  // namespace
@@ -232,8 +233,14 @@ void bind_submap_collection(py::module_& m) {
       .def_property_readonly("num_resident", &SubmapCollection::num_resident, "Submaps in memory; others are on disk.")
       .def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
            "Versioned and checksummed; a crash during a save leaves the state before.")
-      .def_static("load", &load, py::arg("dir"), py::arg("recover") = false,
-                  "Raises with the reason when something is broken; recover=True returns (what is intact, problems).");
+      .def_static(
+          "load", &load, py::arg("dir"), py::arg("recover") = false, py::arg("config") = py::none(),
+          "Raises with the reason when something is broken; recover=True returns (what is intact, problems).\n\n"
+          "config: SubmapCollectionConfig to use instead of the saved settings.")
+      .def(
+          "export", [](SubmapCollection& c, const std::string& dir) { submap::export_all(&c, dir); }, py::arg("dir"),
+          py::call_guard<py::gil_scoped_release>(),
+          "mesh.ply, occupied.ply, map.ot, clouds of the submaps and their poses.");
   bind_queries(cls);
   bind_obstacles(m);
 }

@@ -19,9 +19,13 @@ struct SubmapIntegratorConfig {
   int max_open_handovers = 4;
   double projective_period_s = 0.0;
   double tf_timeout_s = 0.3;
-  int max_markers = 200000;
-  int max_mesh_triangles = 200000;
-  int max_cloud_points = 500000;
+  double picture_period_s = 0.2;
+  int max_markers = 20000;
+  int min_marker_hits = 2;
+  double color_period_m = 20.0;
+  int max_mesh_triangles = 20000;
+  int max_cloud_points = 200000;
+  int max_changes = 100;
   double slice_offset_m = 0.0;
   double slice_max_distance_m = 6.0;
   std::string autosave_dir = "";
@@ -45,9 +49,15 @@ struct SubmapIntegratorConfig {
       "projective filling closes a submap this often; 0 = with the handovers of the local mapper");
     v("tf_timeout_s", &C::tf_timeout_s, base::in(0.0, 5.0), "s",
       "how long a cloud waits for its pose (projective filling)");
-    v("max_markers", &C::max_markers, base::in(0, 10000000), "", "cubes per occupancy message");
-    v("max_mesh_triangles", &C::max_mesh_triangles, base::in(0, 10000000), "", "triangles per submap mesh");
-    v("max_cloud_points", &C::max_cloud_points, base::in(0, 10000000), "", "points per obstacle cloud or slice");
+    v("picture_period_s", &C::picture_period_s, base::in(0.05, 10.0), "s",
+      "pictures are sent piece by piece, one piece per topic this often (wall time)");
+    v("max_markers", &C::max_markers, base::in(1, 1000000), "", "cubes per occupancy message");
+    v("min_marker_hits", &C::min_marker_hits, base::in(1, 255), "",
+      "surfaces that fewer scans have hit are not shown as cubes");
+    v("color_period_m", &C::color_period_m, base::in(1.0, 1000.0), "m", "heights after which colours repeat");
+    v("max_mesh_triangles", &C::max_mesh_triangles, base::in(1, 1000000), "", "triangles per turn of the mesh");
+    v("max_cloud_points", &C::max_cloud_points, base::in(1, 10000000), "", "points per obstacle cloud or slice");
+    v("max_changes", &C::max_changes, base::in(1, 10000), "", "appeared and disappeared things per message");
     v("slice_offset_m", &C::slice_offset_m, base::in(-100.0, 100.0), "m",
       "height of the slice above the end of the newest submap");
     v("slice_max_distance_m", &C::slice_max_distance_m, base::in(0.5, 50.0), "m",

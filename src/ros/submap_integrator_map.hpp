@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <ros/node_handle.h>
-
 #include <memory>
 #include <vector>
 
-#include "submap_integrator_config.hpp"
 #include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
@@ -24,24 +21,15 @@ class MergedMap {
   const submap::ObstacleMap& obstacles() const { return obstacles_; }
   /// Another set of submaps; what was there is forgotten with the next update.
   void replace(submap::SubmapCollection collection);
-  void update();
+  /// Brings evidence and obstacles up to date. @return blocks whose evidence changed
+  std::vector<voxnav::geometry::Index3> update();
   voxnav::containers::GridUpdate take_changes() { return obstacles_.take_changes(); }
   std::size_t memory_bytes() const { return collection_->memory_bytes() + obstacles_.memory_bytes(); }
 
  private:
   std::unique_ptr<submap::SubmapCollection> collection_;
   submap::ObstacleMap obstacles_;
-};
-
-/// What people see of the map. Made only while somebody listens.
-class SubmapPictures {
- public:
-  void advertise(ros::NodeHandle* nh);
-  void publish(const MergedMap& map, const SubmapIntegratorConfig& config, const std_msgs::Header& header,
-               const std::vector<std::uint32_t>& changed_ids);
-
- private:
-  ros::Publisher obstacle_cloud_, occupancy_, mesh_, slice_;
+  std::vector<voxnav::geometry::Index3> replaced_;  ///< known in the collection before
 };
 
 }  // namespace voxnav_ros

@@ -27,7 +27,9 @@ void SubmapIntegratorNodelet::initialize() {
   is_projective_ = config_.filling == "projective";
   if (is_projective_) integrator_ = std::make_unique<submap::ProjectiveIntegrator>(projective_config_);
   map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
+  pictures_ = std::make_unique<SubmapPictures>(config_);
   worker_ = std::make_unique<Worker>(static_cast<std::size_t>(config_.max_queue));
+  saver_ = std::make_unique<Worker>(1);
   advertise();
 }
 
@@ -39,6 +41,9 @@ void SubmapIntegratorNodelet::start() {
     points_ =
         nh.subscribe("points_in", 10, &SubmapIntegratorNodelet::on_points, this, ros::TransportHints().tcpNoDelay());
   }
+  pictures_->advertise(&nh);
+  picture_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.picture_period_s),
+                                        &SubmapIntegratorNodelet::on_picture_time, this);
   snapshot_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.snapshot_period_s),
                                          &SubmapIntegratorNodelet::on_snapshot_time, this);
   handover_ =
@@ -51,11 +56,12 @@ void SubmapIntegratorNodelet::advertise() {
   ros::NodeHandle& nh = getMTPrivateNodeHandle();
   submap_ = nh.advertise<voxnav::Submap>("submap_out", 20);
   obstacles_ = nh.advertise<voxnav::GridUpdate>("obstacles_out", 20);
-  pictures_.advertise(&nh);
   get_obstacles_ = nh.advertiseService("get_obstacles_in", &SubmapIntegratorNodelet::on_get_obstacles, this);
   get_submaps_ = nh.advertiseService("get_submaps_in", &SubmapIntegratorNodelet::on_get_submaps, this);
   save_ = nh.advertiseService("save_in", &SubmapIntegratorNodelet::on_save, this);
   load_ = nh.advertiseService("load_in", &SubmapIntegratorNodelet::on_load, this);
+  merge_ = nh.advertiseService("merge_in", &SubmapIntegratorNodelet::on_merge, this);
+  export_ = nh.advertiseService("export_in", &SubmapIntegratorNodelet::on_export, this);
 }
 
 /// Runs a task on the worker; whatever it throws ends as an error in diagnostics.
@@ -119,28 +125,28 @@ void SubmapIntegratorNodelet::take_handover(const voxnav::Handover& msg) {
 
 void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   entry.T_W_S = T_W_O_ * entry.T_O_S;
+  entry.flight = flight_;
+  // After a map was loaded, ids that start anew go on behind its ids.
+  if (!id_shift_) id_shift_ = entry.id >= first_id_ ? 0 : first_id_ - entry.id;
+  entry.id += *id_shift_;
   const voxnav::Submap msg = to_msg(entry, odometry_frame_);
   announce_work(config_.lockstep_consumers, msg.header.stamp);
   submap_.publish(msg);
   newest_id_ = entry.id;
   const ros::Time stamp = to_ros(entry.end_ns);
   map_->collection().add(std::move(entry));
-  refresh(stamp, {newest_id_});
-  if (!config_.autosave_dir.empty()) map_->collection().save(config_.autosave_dir);
+  refresh(stamp);
+  if (!config_.autosave_dir.empty() && saver_->size() == 0) saver_->push([this] { autosave(); });
 }
 
-/// After a change: obstacles first, as people fly by them, then pictures.
-void SubmapIntegratorNodelet::refresh(const ros::Time& stamp, const std::vector<std::uint32_t>& changed_ids) {
+/// After a change: obstacles first, as people fly by them; pictures follow piece by piece.
+void SubmapIntegratorNodelet::refresh(const ros::Time& stamp) {
   last_stamp_ = std::max(last_stamp_, stamp);
   {
     const auto timer = diagnostics().time("obstacles");
-    map_->update();
+    pictures_->mark(*map_, map_->update());
   }
   publish_obstacles(map_->take_changes());
-  {
-    const auto timer = diagnostics().time("pictures");
-    pictures_.publish(*map_, config_, header(), changed_ids);
-  }
   const submap::SubmapCollection& collection = map_->collection();
   diagnostics().set_counter("submaps", static_cast<double>(collection.size()));
   diagnostics().set_counter("submaps_dropped", static_cast<double>(collection.num_dropped()));
@@ -175,6 +181,17 @@ void SubmapIntegratorNodelet::on_snapshot_time(const ros::SteadyTimerEvent&) {
   enqueue("snapshot", [this] { publish_obstacles(map_->obstacles().snapshot()); });
 }
 
+/// Left out while there is work that somebody waits for.
+void SubmapIntegratorNodelet::on_picture_time(const ros::SteadyTimerEvent&) {
+  if (worker_->size() > 0) return;
+  enqueue("pictures", [this] {
+    const double wall_ms = voxnav::base::wall_clock_ms();
+    const double cpu_ms = voxnav::base::thread_cpu_ms();
+    if (!pictures_->turn(*map_, header())) return;
+    diagnostics().add_time("pictures", voxnav::base::wall_clock_ms() - wall_ms, voxnav::base::thread_cpu_ms() - cpu_ms);
+  });
+}
+
 void SubmapIntegratorNodelet::on_poses(const voxnav::SubmapPosesConstPtr& msg) {
   enqueue("submap poses", [this, msg] {
     take_poses(*msg);
@@ -194,12 +211,9 @@ void SubmapIntegratorNodelet::take_poses(const voxnav::SubmapPoses& msg) {
   }
   if (!msg.header.frame_id.empty()) map_frame_ = msg.header.frame_id;
   T_W_O_ = *T_W_O;
-  std::vector<std::uint32_t> known;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (map_->collection().set_pose(msg.submap_ids[i], poses[i])) known.push_back(msg.submap_ids[i]);
-  }
+  for (std::size_t i = 0; i < poses.size(); ++i) map_->collection().set_pose(msg.submap_ids[i], poses[i]);
   diagnostics().set_counter("graph_revision", msg.revision);
-  refresh(msg.header.stamp, known);
+  refresh(msg.header.stamp);
 }
 
 void SubmapIntegratorNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
@@ -241,56 +255,6 @@ void SubmapIntegratorNodelet::close_projective(submap::SubmapEntry entry) {
   open_ = {};
   open_.id = next_id;
   add(std::move(entry));
-}
-
-bool SubmapIntegratorNodelet::on_get_obstacles(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  response.success = true;
-  // The sequence of the last message: the next change follows it.
-  response.grid = obstacle_msg(map_->obstacles().snapshot(), sequence_);
-  return true;
-}
-
-bool SubmapIntegratorNodelet::on_get_submaps(voxnav::GetSubmaps::Request&, voxnav::GetSubmaps::Response& response) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  for (const submap::SubmapEntry* entry : map_->collection().entries()) {
-    response.submaps.push_back(to_msg(*entry, odometry_frame_));
-  }
-  response.success = true;
-  return true;
-}
-
-bool SubmapIntegratorNodelet::on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
-  try {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    map_->collection().save(request.value);
-    response.success = true;
-    response.message = std::to_string(map_->collection().size()) + " submaps saved to " + request.value;
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
-}
-
-bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
-  try {
-    submap::SubmapCollection loaded = submap::SubmapCollection::load(request.value);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    map_->replace(std::move(loaded));
-    response.success = true;
-    response.message = std::to_string(map_->collection().size()) + " submaps loaded from " + request.value;
-    enqueue("loaded map", [this] {
-      std::vector<std::uint32_t> ids;
-      for (const submap::SubmapEntry* entry : map_->collection().entries()) ids.push_back(entry->id);
-      refresh(last_stamp_, ids);
-      publish_obstacles(map_->obstacles().snapshot());
-    });
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;
 }
 
 }  // namespace voxnav_ros

@@ -8,11 +8,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "submap_integrator_config.hpp"
 #include "submap_integrator_map.hpp"
+#include "submap_picture_topics.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/GetSubmaps.h"
 #include "voxnav/Handover.h"
@@ -42,10 +44,18 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void on_poses(const voxnav::SubmapPosesConstPtr& msg);
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_snapshot_time(const ros::SteadyTimerEvent&);
+  void on_picture_time(const ros::SteadyTimerEvent&);
   bool on_get_obstacles(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response);
   bool on_get_submaps(voxnav::GetSubmaps::Request&, voxnav::GetSubmaps::Response& response);
   bool on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
   bool on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
+  bool on_merge(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
+  bool on_export(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
+
+  // On any thread, without the mutex: files are written while the worker goes on.
+  submap::SubmapCollection copy_of_map();
+  std::size_t save(const std::string& directory);
+  void autosave();
 
   // On the worker, with the mutex held.
   void take_handover(const voxnav::Handover& msg);
@@ -53,7 +63,9 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void integrate(const sensor_msgs::PointCloud2& msg);
   void close_projective(submap::SubmapEntry entry);
   void add(submap::SubmapEntry entry);
-  void refresh(const ros::Time& stamp, const std::vector<std::uint32_t>& changed_ids);
+  void refresh(const ros::Time& stamp);
+  void continue_from(const submap::SubmapCollection& loaded);
+  std::string show_loaded(std::size_t num_loaded, const std::vector<std::string>& problems);
   void publish_obstacles(voxnav::containers::GridUpdate update);
   voxnav::GridUpdate obstacle_msg(voxnav::containers::GridUpdate update, std::uint32_t sequence) const;
   std_msgs::Header header() const;
@@ -74,14 +86,18 @@ class SubmapIntegratorNodelet : public NodeletBase {
   std::unique_ptr<MergedMap> map_;
   voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< W starts as O
   std::uint32_t newest_id_ = 0;
+  std::uint32_t flight_ = 0;               ///< of submaps to come
+  std::uint32_t first_id_ = 0;             ///< above all that were loaded
+  std::optional<std::uint32_t> id_shift_;  ///< of submaps to come; none = the next one tells
   std::uint32_t sequence_ = 0;
   ros::Time last_stamp_;
 
-  SubmapPictures pictures_;
+  std::unique_ptr<SubmapPictures> pictures_;
   ros::Publisher submap_, obstacles_;
-  ros::ServiceServer get_obstacles_, get_submaps_, save_, load_;
-  ros::SteadyTimer snapshot_timer_;
-  std::unique_ptr<Worker> worker_;  ///< stops before what its tasks use
+  ros::ServiceServer get_obstacles_, get_submaps_, save_, load_, merge_, export_;
+  ros::SteadyTimer snapshot_timer_, picture_timer_;
+  std::mutex save_mutex_;                   ///< one save at a time
+  std::unique_ptr<Worker> saver_, worker_;  ///< stop before what their tasks use
   ros::Subscriber handover_, poses_, points_;
 };
 

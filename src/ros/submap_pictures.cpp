@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav_ros/conversions.hpp"
@@ -14,6 +13,7 @@ namespace {
 
 using voxnav::geometry::Index3;
 using voxnav::geometry::Vec3;
+using Point = geometry_msgs::Point;
 namespace submap = voxnav::submap;
 
 std_msgs::ColorRGBA to_msg(const submap::Color& color) {
@@ -23,18 +23,6 @@ std_msgs::ColorRGBA to_msg(const submap::Color& color) {
   out.b = static_cast<float>(color[2]) / 255.f;
   out.a = 1.f;
   return out;
-}
-
-visualization_msgs::Marker new_marker(const std_msgs::Header& header, const char* ns, std::uint32_t id, int type) {
-  visualization_msgs::Marker marker;
-  marker.header = header;
-  marker.ns = ns;
-  marker.id = static_cast<std::int32_t>(id);
-  marker.type = type;
-  marker.action = visualization_msgs::Marker::ADD;
-  marker.pose.orientation.w = 1.0;
-  marker.color = to_msg(submap::color_of(id));
-  return marker;
 }
 
 sensor_msgs::PointField field_of(const char* name, std::uint32_t offset) {
@@ -77,61 +65,66 @@ class Thinner {
   std::size_t count_ = 0;
 };
 
-std::vector<Index3> sorted_blocks(const submap::EvidenceMap& evidence, std::size_t* num_leaves) {
-  std::vector<Index3> out;
-  *num_leaves = 0;
-  for (const auto& item : evidence.blocks()) {
-    out.push_back(item.first);
-    *num_leaves += item.second.leaves.size();
-  }
-  std::sort(out.begin(), out.end());
-  return out;
+Point point_of(const Vec3& p) { return voxnav_ros::to_msg(p); }
+
+visualization_msgs::Marker box_of(const voxnav::SceneChange& change, const std_msgs::Header& header, std::int32_t id) {
+  const bool has_appeared = change.kind == voxnav::SceneChange::APPEARED;
+  visualization_msgs::Marker marker = blank_marker("changes", visualization_msgs::Marker::CUBE, 1.0);
+  marker.header = header;
+  marker.id = id;
+  marker.pose.position = change.center;
+  const auto middle = [](double low, double high) { return 0.5 * (low + high); };
+  marker.pose.position.x = middle(change.box_min.x, change.box_max.x);
+  marker.pose.position.y = middle(change.box_min.y, change.box_max.y);
+  marker.pose.position.z = middle(change.box_min.z, change.box_max.z);
+  constexpr double kThinnest_m = 0.1;  // rviz does not show flat cubes
+  marker.scale.x = std::max(change.box_max.x - change.box_min.x, kThinnest_m);
+  marker.scale.y = std::max(change.box_max.y - change.box_min.y, kThinnest_m);
+  marker.scale.z = std::max(change.box_max.z - change.box_min.z, kThinnest_m);
+  marker.color = to_msg(has_appeared ? submap::Color{60, 220, 80} : submap::Color{230, 60, 50});
+  marker.color.a = 0.4f;
+  return marker;
 }
 
 }  // namespace
 
-visualization_msgs::MarkerArray occupancy_markers(const submap::SubmapCollection& collection,
-                                                  const std_msgs::Header& header, std::size_t max_cubes) {
-  const submap::EvidenceMap& evidence = collection.evidence();
-  std::size_t total = 0;
-  const std::vector<Index3> blocks = sorted_blocks(evidence, &total);
-  Thinner thinner(total, max_cubes);
-  std::map<std::uint32_t, visualization_msgs::Marker> markers;
-  for (const Index3& index : blocks) {
-    for (const submap::EvidenceLeaf& leaf : evidence.find(index)->leaves) {
-      if (!thinner.keep()) continue;
-      auto found = markers.find(leaf.submap_id);
-      if (found == markers.end()) {
-        const auto type = visualization_msgs::Marker::CUBE_LIST;
-        found = markers.emplace(leaf.submap_id, new_marker(header, "occupancy", leaf.submap_id, type)).first;
-        found->second.scale.x = found->second.scale.y = found->second.scale.z = evidence.resolution_m();
-      }
-      const Index3 voxel = voxnav::geometry::voxel_at(index, leaf.offset);
-      found->second.points.push_back(voxnav_ros::to_msg(voxnav::geometry::center_of(voxel, evidence.resolution_m())));
-    }
-  }
-  visualization_msgs::MarkerArray out;
-  visualization_msgs::Marker erase = new_marker(header, "occupancy", 0, visualization_msgs::Marker::CUBE_LIST);
-  erase.action = visualization_msgs::Marker::DELETEALL;
-  out.markers.push_back(erase);
-  for (auto& item : markers) out.markers.push_back(std::move(item.second));
-  return out;
+visualization_msgs::Marker blank_marker(const char* ns, std::int32_t type, double scale_m) {
+  visualization_msgs::Marker marker;
+  marker.ns = ns;
+  marker.type = type;
+  marker.action = visualization_msgs::Marker::ADD;
+  marker.pose.orientation.w = 1.0;
+  marker.scale.x = marker.scale.y = marker.scale.z = scale_m;
+  marker.color.a = 1.f;
+  return marker;
 }
 
-visualization_msgs::Marker mesh_marker(const submap::SubmapEntry& entry, const std_msgs::Header& header,
-                                       std::size_t max_triangles) {
-  visualization_msgs::Marker marker = new_marker(header, "mesh", entry.id, visualization_msgs::Marker::TRIANGLE_LIST);
-  marker.pose = voxnav_ros::to_msg(entry.T_W_S);
-  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
-  const submap::Mesh mesh = submap::extract_mesh(*entry.submap, max_triangles);
-  marker.points.reserve(3 * mesh.triangles.size());
-  for (const auto& triangle : mesh.triangles) {
-    for (const std::uint32_t i : triangle)
-      marker.points.push_back(voxnav_ros::to_msg(Vec3(mesh.vertices[i].cast<double>())));
+void add_cubes(const submap::EvidenceMap& evidence, const Blocks& blocks, const CubeStyle& style,
+               visualization_msgs::Marker* marker) {
+  for (const Index3& index : blocks) {
+    const submap::EvidenceBlock* block = evidence.find(index);
+    if (!block) continue;
+    for (const submap::EvidenceLeaf& leaf : block->leaves) {
+      if (leaf.hits < style.min_hits) continue;
+      const Index3 voxel = voxnav::geometry::voxel_at(index, leaf.offset);
+      const Vec3 center = voxnav::geometry::center_of(voxel, evidence.resolution_m());
+      marker->points.push_back(point_of(center));
+      marker->colors.push_back(to_msg(style.is_by_submap ? submap::color_of(leaf.submap_id)
+                                                         : submap::color_of_height(center.z(), style.color_period_m)));
+    }
   }
-  // rviz rejects a triangle list without points.
-  if (marker.points.empty()) marker.action = visualization_msgs::Marker::DELETE;
-  return marker;
+}
+
+void add_mesh(const submap::EvidenceMap& evidence, const Blocks& blocks, double color_period_m,
+              std::size_t max_triangles, visualization_msgs::Marker* marker) {
+  const submap::Mesh mesh = submap::extract_mesh(evidence, blocks, max_triangles);
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t i : triangle) {
+      const Vec3 p = mesh.vertices[i].cast<double>();
+      marker->points.push_back(point_of(p));
+      marker->colors.push_back(to_msg(submap::color_of_height(p.z(), color_period_m)));
+    }
+  }
 }
 
 sensor_msgs::PointCloud2 distance_slice(const submap::EvidenceMap& evidence, const voxnav::geometry::Aabb& bounds,
@@ -155,20 +148,61 @@ sensor_msgs::PointCloud2 distance_slice(const submap::EvidenceMap& evidence, con
 
 sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& grid, std::size_t max_points,
                                         const std_msgs::Header& header) {
-  std::vector<Vec3> centers;
+  constexpr std::uint64_t kOccupied = 0xAAAAAAAAAAAAAAAAull;
+  std::size_t total = 0;
+  for (const auto& item : grid.blocks()) {
+    for (const std::uint64_t word : item.second.words)
+      total += static_cast<std::size_t>(__builtin_popcountll(word & kOccupied));
+  }
+  Thinner thinner(total, max_points);
+  std::vector<float> rows;
+  rows.reserve(4 * std::min(total, max_points));
   for (const Index3& index : grid.sorted_block_indices()) {
-    const voxnav::containers::StateBlock* block = grid.find_block(index);
-    for (int offset = 0; offset < voxnav::geometry::kBlockVolume; ++offset) {
-      if (block->get(offset) != voxnav::containers::State::kOccupied) continue;
-      centers.push_back(voxnav::geometry::center_of(voxnav::geometry::voxel_at(index, offset), grid.resolution_m()));
+    int first = 0;
+    for (const std::uint64_t word : grid.find_block(index)->words) {
+      for (std::uint64_t bits = word & kOccupied; bits != 0; bits &= bits - 1) {
+        if (!thinner.keep()) continue;
+        const Index3 voxel = voxnav::geometry::voxel_at(index, first + (__builtin_ctzll(bits) >> 1));
+        const Vec3 p = voxnav::geometry::center_of(voxel, grid.resolution_m());
+        add_row(p, p.z(), &rows);
+      }
+      first += 32;
     }
   }
-  Thinner thinner(centers.size(), max_points);
-  std::vector<float> rows;
-  for (const Vec3& p : centers) {
-    if (thinner.keep()) add_row(p, p.z(), &rows);
-  }
   return cloud_of(rows, header);
+}
+
+voxnav::SceneChanges to_msg(std::vector<submap::SceneChange> changes, std::size_t max_changes,
+                            const std_msgs::Header& header) {
+  std::stable_sort(changes.begin(), changes.end(),
+                   [](const auto& a, const auto& b) { return a.num_voxels > b.num_voxels; });
+  voxnav::SceneChanges out;
+  out.header = header;
+  for (const submap::SceneChange& change : changes) {
+    if (out.changes.size() >= max_changes) break;
+    voxnav::SceneChange item;
+    item.kind = change.kind == submap::SceneChange::Kind::kAppeared ? voxnav::SceneChange::APPEARED
+                                                                    : voxnav::SceneChange::DISAPPEARED;
+    item.submap_id = change.submap_id;
+    item.num_voxels = static_cast<std::uint32_t>(change.num_voxels);
+    item.center = point_of(change.center_W);
+    item.box_min = point_of(change.box_W.min);
+    item.box_max = point_of(change.box_W.max);
+    out.changes.push_back(item);
+  }
+  out.num_left_out = static_cast<std::uint32_t>(changes.size() - out.changes.size());
+  return out;
+}
+
+visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes) {
+  visualization_msgs::MarkerArray out;
+  out.markers.push_back(blank_marker("changes", visualization_msgs::Marker::CUBE, 1.0));
+  out.markers[0].header = changes.header;
+  out.markers[0].action = visualization_msgs::Marker::DELETEALL;
+  for (const voxnav::SceneChange& change : changes.changes) {
+    out.markers.push_back(box_of(change, changes.header, static_cast<std::int32_t>(out.markers.size())));
+  }
+  return out;
 }
 
 }  // namespace voxnav_ros

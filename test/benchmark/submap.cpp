@@ -116,6 +116,47 @@ void correction_of_submaps(benchmark::State& state) {
   state.counters["map_mb"] = static_cast<double>(map.collection.memory_bytes() + map.obstacles.memory_bytes()) * 1e-6;
 }
 
+/// As many submaps as a flight of 19 minutes and 1.28 km leaves: the flight above again and again, each time 66 m on.
+submap::SubmapEntry long_entry(std::size_t i, double shift_m) {
+  submap::SubmapEntry entry = entry_of(i % kSubmaps, shift_m);
+  entry.id = static_cast<std::uint32_t>(i);
+  entry.end_ns = static_cast<base::StampNs>(i);
+  entry.T_W_S = geometry::from_position_yaw({66.0 * static_cast<double>(i / kSubmaps), 0.0, 0.0}, 0.0) * entry.T_W_S;
+  return entry;
+}
+
+/// All submaps of the long flight moved; and one new submap at its end.
+void correction_of_a_long_flight(benchmark::State& state) {
+  constexpr std::size_t kLong = 111;
+  Map map;
+  for (std::size_t i = 0; i < kLong; ++i) map.collection.add(long_entry(i, 0.0));
+  map.update();
+  double shift_m = 0.0;
+  for (auto _ : state) {
+    shift_m += 0.3;
+    for (std::size_t i = 0; i < kLong; ++i) {
+      map.collection.set_pose(static_cast<std::uint32_t>(i), long_entry(i, shift_m).T_W_S);
+    }
+    map.update();
+  }
+  state.counters["map_mb"] = static_cast<double>(map.collection.memory_bytes() + map.obstacles.memory_bytes()) * 1e-6;
+}
+
+void new_submap_in_a_long_flight(benchmark::State& state) {
+  constexpr std::size_t kLong = 111;
+  Map map;
+  for (std::size_t i = 0; i + 1 < kLong; ++i) map.collection.add(long_entry(i, 0.0));
+  map.update();
+  for (auto _ : state) {
+    state.PauseTiming();
+    map.collection.remove(kLong - 1);
+    map.update();
+    map.collection.add(long_entry(kLong - 1, 0.0));
+    state.ResumeTiming();
+    map.update();
+  }
+}
+
 void distance_queries(benchmark::State& state) {
   const auto& submap = *submaps()[4];
   std::mt19937 rng(1);
@@ -174,6 +215,8 @@ BENCHMARK(fill_submap)->Unit(benchmark::kMillisecond);
 BENCHMARK(fill_and_use_submap)->Unit(benchmark::kMillisecond);
 BENCHMARK(obstacles_of_a_new_submap)->Arg(1)->Arg(6)->Arg(12)->Unit(benchmark::kMillisecond);
 BENCHMARK(correction_of_submaps)->Arg(1)->Arg(8)->Arg(12)->Unit(benchmark::kMillisecond);
+BENCHMARK(correction_of_a_long_flight)->Unit(benchmark::kMillisecond);
+BENCHMARK(new_submap_in_a_long_flight)->Unit(benchmark::kMillisecond);
 BENCHMARK(distance_queries)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(integrate_projective, simple, "simple")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(integrate_projective, merged, "merged")->Unit(benchmark::kMillisecond);

@@ -17,7 +17,8 @@ from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
 import voxnav
-from voxnav.msg import GridUpdate, Handover, NodeDiagnostics, Progress, Submap, SubmapPoses
+from voxnav.msg import (GridUpdate, Handover, NodeDiagnostics, Progress, SceneChange, SceneChanges, Submap,
+                        SubmapPoses)
 from voxnav.srv import GetGrid, GetSubmaps
 
 TIMEOUT_S = 30.0
@@ -38,6 +39,15 @@ class Received:
                 if condition(message):
                     return message
             time.sleep(0.02)
+        return None
+
+    def wait_for_scene(self, condition):
+        end = time.time() + TIMEOUT_S
+        while time.time() < end:
+            scene = Scene(list(self.messages))
+            if condition(scene):
+                return scene
+            time.sleep(0.05)
         return None
 
 
@@ -72,6 +82,29 @@ def handover(submap_id, data, is_final=True, stamp=10.0):
     return msg
 
 
+class Scene:
+    """What a viewer shows after the markers that came."""
+
+    def __init__(self, messages):
+        self.markers = {}
+        for message in messages:
+            for marker in getattr(message, "markers", [message]):
+                if marker.action == Marker.DELETEALL:
+                    self.markers.clear()
+                elif marker.action == Marker.DELETE:
+                    self.markers.pop((marker.ns, marker.id), None)
+                else:
+                    self.markers[marker.ns, marker.id] = marker
+
+    @property
+    def points(self):
+        return np.array([(p.x, p.y, p.z) for m in self.markers.values() for p in m.points]).reshape(-1, 3)
+
+    @property
+    def colors(self):
+        return {(round(c.r, 3), round(c.g, 3), round(c.b, 3)) for m in self.markers.values() for c in m.colors}
+
+
 def grid_of(msg):
     grid = voxnav.StateGrid(msg.resolution_m)
     grid.apply_update(msg.block_indices, msg.states, msg.removed_block_indices, True)
@@ -87,17 +120,20 @@ class SubmapIntegratorTest(unittest.TestCase):
         cls.markers = Received(node + "occupancy_markers_out", MarkerArray)
         cls.cloud = Received(node + "obstacle_cloud_out", PointCloud2)
         cls.mesh = Received(node + "mesh_out", Marker)
+        cls.changes = Received(node + "changes_out", SceneChanges)
         cls.slice = Received(node + "slice_out", PointCloud2)
         cls.progress = Received("progress", Progress)
         cls.diagnostics = Received(node + "diagnostics_out", NodeDiagnostics)
         cls.handover = rospy.Publisher(node + "handover_in", Handover, queue_size=10)
         cls.poses = rospy.Publisher(node + "submap_poses_in", SubmapPoses, queue_size=10)
-        for service in ("get_obstacles_in", "get_submaps_in", "save_in", "load_in"):
+        for service in ("get_obstacles_in", "get_submaps_in", "save_in", "load_in", "merge_in", "export_in"):
             rospy.wait_for_service(node + service, TIMEOUT_S)
         cls.get_obstacles = rospy.ServiceProxy(node + "get_obstacles_in", GetGrid)
         cls.get_submaps = rospy.ServiceProxy(node + "get_submaps_in", GetSubmaps)
         cls.save = rospy.ServiceProxy(node + "save_in", String)
         cls.load = rospy.ServiceProxy(node + "load_in", String)
+        cls.merge = rospy.ServiceProxy(node + "merge_in", String)
+        cls.export = rospy.ServiceProxy(node + "export_in", String)
         end = time.time() + TIMEOUT_S
         received = [x for x in vars(cls).values() if isinstance(x, Received)]
         while time.time() < end and not (
@@ -125,10 +161,29 @@ class SubmapIntegratorTest(unittest.TestCase):
 
     def test_2_people_see_it(self):
         expected = content().num_occupied
-        self.assertIsNotNone(self.markers.wait_for(lambda m: sum(len(x.points) for x in m.markers) == expected))
+        scene = self.markers.wait_for_scene(lambda s: len(s.points) == expected)
+        self.assertIsNotNone(scene)
+        self.assertGreater(len(scene.markers), 1)
+        self.assertGreater(len(scene.colors), 3)  # by height
         self.assertIsNotNone(self.cloud.wait_for(lambda m: m.width > 1000))
-        self.assertIsNotNone(self.mesh.wait_for(lambda m: len(m.points) > 1000))
+        self.assertIsNotNone(self.mesh.wait_for_scene(lambda s: len(s.points) > 3000))
         self.assertIsNotNone(self.slice.wait_for(lambda m: m.width > 500))
+        self.assertTrue(all(len(x.points) <= 1200 for m in self.markers.messages for x in m.markers))
+
+    def test_2b_who_comes_late_sees_it_too(self):
+        node, expected = "submap_integrator/", content().num_occupied
+        markers = Received(node + "occupancy_markers_out", MarkerArray)
+        submaps = Received(node + "submap_markers_out", MarkerArray)
+        mesh = Received(node + "mesh_out", Marker)
+        cloud = Received(node + "obstacle_cloud_out", PointCloud2)
+        late_slice = Received(node + "slice_out", PointCloud2)
+        self.assertIsNotNone(markers.wait_for_scene(lambda s: len(s.points) == expected))
+        scene = submaps.wait_for_scene(lambda s: len(s.points) == expected)
+        self.assertIsNotNone(scene)
+        self.assertEqual(len(scene.colors), 1)
+        self.assertIsNotNone(mesh.wait_for_scene(lambda s: len(s.points) > 3000))
+        self.assertIsNotNone(cloud.wait_for(lambda m: m.width > 1000))
+        self.assertIsNotNone(late_slice.wait_for(lambda m: m.width > 500))
 
     def test_3_poses_of_the_optimiser_move_the_obstacles(self):
         msg = SubmapPoses()
@@ -143,6 +198,9 @@ class SubmapIntegratorTest(unittest.TestCase):
         self.assertEqual(response.header.frame_id, "uav1/map")
         points = np.array([[100.2, 0.2, 3.4], [0.2, 0.2, 3.4]], np.float32)
         np.testing.assert_array_equal(grid_of(response).states(points), (2, 0))
+        expected = content().num_occupied
+        scene = self.markers.wait_for_scene(lambda s: len(s.points) == expected and s.points[:, 0].min() > 90.0)
+        self.assertIsNotNone(scene)
 
     def test_4_newer_free_space_removes_the_box_and_the_correction_holds(self):
         self.handover.publish(handover(2, content(box=False).to_bytes(), stamp=20.0))
@@ -151,6 +209,14 @@ class SubmapIntegratorTest(unittest.TestCase):
         grid = grid_of(self.get_obstacles().grid)
         points = np.array([[99.0, -1.0, 3.0], [99.0, -1.0, 0.6]], np.float32)
         np.testing.assert_array_equal(grid.states(points), (1, 2))
+
+        changes = self.changes.wait_for(lambda m: len(m.changes) == 1)
+        self.assertIsNotNone(changes)
+        self.assertEqual(changes.changes[0].kind, SceneChange.DISAPPEARED)
+        self.assertEqual(changes.changes[0].submap_id, 2)
+        self.assertAlmostEqual(changes.changes[0].center.x, 99.0, delta=0.5)
+        scene = self.markers.wait_for_scene(lambda s: len(s.points) > 0 and s.points[:, 2].max() < 0.6)
+        self.assertIsNotNone(scene)
 
     def test_5_broken_input_is_refused_with_a_reason(self):
         data = content().to_bytes()
@@ -181,6 +247,38 @@ class SubmapIntegratorTest(unittest.TestCase):
         refused = self.load(directory + "_absent")
         self.assertFalse(refused.success)
         self.assertIn("cannot be read", refused.message)
+
+    def test_8_what_is_broken_is_left_out_and_the_rest_flies_on(self):
+        directory = os.path.join(tempfile.mkdtemp(), "map")
+        self.assertTrue(self.save(directory).success)
+        index = os.path.join(directory, "index.vxi")
+        with open(index, "rb") as source:
+            data = source.read()
+        with open(index, "wb") as out:
+            out.write(data[:-40])
+        response = self.load(directory)
+        self.assertTrue(response.success, response.message)
+        self.assertIn("1 of 2 submaps are intact", response.message)
+        self.assertEqual([m.submap_id for m in self.get_submaps().submaps], [1])
+        self.handover.publish(handover(1, content().to_bytes(), stamp=5.0))
+        self.assertIsNotNone(self.submaps.wait_for(lambda m: m.submap_id == 3 and m.header.stamp.to_sec() == 5.0))
+        self.assertEqual([m.submap_id for m in self.get_submaps().submaps], [1, 3])
+
+    def test_9_another_flight_is_merged_and_exported(self):
+        directory = tempfile.mkdtemp()
+        flight = voxnav.SubmapCollection()
+        flight.add(1, voxnav.Submap.from_content(content(), np.eye(4)), np.eye(4))
+        flight.save(os.path.join(directory, "other"))
+        before = len(self.get_submaps().submaps)
+        response = self.merge(os.path.join(directory, "other") + " 300 0 0 0.5")
+        self.assertTrue(response.success, response.message)
+        self.assertEqual(len(self.get_submaps().submaps), before + 1)
+        scene = self.markers.wait_for_scene(lambda s: len(s.points) > 0 and s.points[:, 0].max() > 295.0)
+        self.assertIsNotNone(scene)
+        self.assertFalse(self.merge(os.path.join(directory, "other") + " 1 2").success)
+        self.assertTrue(self.export(os.path.join(directory, "files")).success)
+        for name in ("mesh.ply", "occupied.ply", "map.ot", "poses.txt"):
+            self.assertGreater(os.path.getsize(os.path.join(directory, "files", name)), 10)
 
 
 if __name__ == "__main__":

@@ -131,6 +131,7 @@ class CompressedField {
   void shrink();
   void link();
   const Block* find(const geometry::Index3& index) const;
+  void search_near_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void search_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void place_records(const base::ByteReader& in);
   CellStates cell_states(const Block& block, int cell) const;

@@ -22,13 +22,21 @@ struct NearestSurface {
   double distance_m;
 };
 
+struct EvidenceRules {
+  double resolution_m = 0.4;
+  double clearing_distance_m = 0.4;  ///< a submap clears nothing nearer than this to its own surfaces
+  double thin_range_m = 6.0;         ///< thin things are cleared from farther only if they were seen from as far
+};
+
 /// What all submaps together say about W, one block of 16^3 voxels at a time, oldest submap first: newer surface points
 /// replace older ones of their voxel, and newer free space removes older points unless the newer submap itself has a
-/// surface nearer than the clearing distance (so that small pose errors remove nothing). What a newer submap does not
-/// know changes nothing. Source: algorithms.md section 9. Not thread-safe.
+/// surface nearer than the clearing distance (so that small pose errors remove nothing). Thin things, which beams miss
+/// from afar, are removed only by free space that was seen from near. What a newer submap does not know changes
+/// nothing. Source: algorithms.md section 9. Not thread-safe.
 class EvidenceMap {
  public:
-  EvidenceMap(double resolution_m, double clearing_distance_m);
+  /// @throws std::invalid_argument unless the resolution is positive
+  explicit EvidenceMap(const EvidenceRules& rules);
 
   void clear_block(const geometry::Index3& block) { blocks_.erase(block); }
   /// Adds what one submap knows of one block. Call in order of age. O(leaves of the block + 16^2).
@@ -36,7 +44,7 @@ class EvidenceMap {
 
   const EvidenceBlock* find(const geometry::Index3& block) const;
   const std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash>& blocks() const { return blocks_; }
-  double resolution_m() const { return resolution_m_; }
+  double resolution_m() const { return rules_.resolution_m; }
   containers::State state(const geometry::Vec3& p_W) const;
   /// Position of a leaf in W.
   geometry::Vec3 point_of(const geometry::Index3& block, const EvidenceLeaf& leaf) const;
@@ -47,12 +55,13 @@ class EvidenceMap {
   std::size_t memory_bytes() const;
 
  private:
-  void drop_cleared(const geometry::Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const;
-  void take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const;
+  void drop_older(const geometry::Index3& index, const PlacedSubmap& submap, const Columns& seen,
+                  EvidenceBlock* block) const;
   static void remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block);
 
-  double resolution_m_;
-  double clearing_distance_m_;
+  bool clears(const PlacedSubmap& submap, const geometry::Vec3& p_W, const EvidenceLeaf& leaf) const;
+
+  EvidenceRules rules_;
   std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash> blocks_;
 };
 

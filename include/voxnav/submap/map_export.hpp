@@ -17,4 +17,8 @@ void save_octomap(const EvidenceMap& evidence, const std::string& path);
 /// @throws std::runtime_error naming the file that cannot be written
 void save_clouds(const SubmapCollection& collection, const std::string& directory);
 
+/// Everything that other programs read, into a directory that is made if need be: `mesh.ply`, `occupied.ply` (believed
+/// surface points), `map.ot`, and what save_clouds() writes. @throws std::runtime_error naming the file
+void export_all(SubmapCollection* collection, const std::string& directory);
+
 }  // namespace voxnav::submap

@@ -17,8 +17,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from free space
   std::vector<Color> colors;                            ///< per vertex, or empty
 
-  /// Adds another mesh, moved by T_A_B and in one colour.
-  void append(const Mesh& other, const geometry::Pose& T_A_B, const Color& color);
+  /// Adds another mesh with its colours.
+  void append(const Mesh& other);
 };
 
 /// Zero level of the stored distances of a submap, frame S. Only cubes whose eight corners all have distances are
@@ -28,11 +28,20 @@ struct Mesh {
 /// faces, which makes neighbouring cubes agree without a table of cases.
 Mesh extract_mesh(const Submap& submap, std::size_t max_triangles = 10000000);
 
-/// Meshes of all submaps in W, one colour each.
-Mesh extract_mesh(const SubmapCollection& collection, std::size_t max_triangles = 10000000);
+/// Zero level of the merged map in W, cubes of the given blocks only, so that a change costs what it touches and the
+/// meshes of neighbouring blocks meet. What newer evidence has removed is not in it, and nothing is in it twice.
+/// Coloured by height. Stops at max_triangles. O(surface points of the blocks and around them).
+Mesh extract_mesh(const EvidenceMap& evidence, const std::vector<geometry::Index3>& blocks,
+                  std::size_t max_triangles = 10000000);
+
+/// The same of the whole map, brought up to date first.
+Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles = 10000000);
 
 /// Same id, same colour; neighbouring ids differ clearly.
 Color color_of(std::uint32_t submap_id);
+
+/// Blue over green to red and back with the height, one way every half `period_m`, without jumps.
+Color color_of_height(double z_m, double period_m = 20.0);
 
 /// Binary little-endian PLY.
 std::string to_ply(const Mesh& mesh);

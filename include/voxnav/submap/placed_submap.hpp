@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -15,15 +17,23 @@ namespace voxnav::submap {
 struct EvidenceLeaf {
   std::uint16_t offset;             ///< geometry::offset_in_block() of its voxel
   std::array<std::int8_t, 3> mean;  ///< from the voxel centre, unit voxel edge / 254
+  std::uint8_t hits;                ///< its weight: scans that hit it
+  std::uint8_t range;  ///< from where it was seen: half metres, rounded down; 255 = that or more, or unknown
+  bool is_thin;        ///< no surface goes through it: a wire, a pole, a twig
   std::uint32_t submap_id;
   bool is_new = false;  ///< an older submap had seen free space here
+
+  /// At least as near somebody was.
+  double range_m() const { return range == 255 ? 0.0 : 0.5 * range; }
 };
 
 /// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
-/// each block of W costs no more than what it holds. O(leaves + known blocks).
+/// each block of W costs no more than what it holds. O(leaves + known blocks). Not thread-safe.
 class PlacedSubmap {
  public:
-  PlacedSubmap(const Submap& submap, std::uint32_t id, const geometry::Pose& T_W_S, double resolution_m);
+  /// @param viewpoints_W  where the sensor was; none = unknown
+  PlacedSubmap(const Submap& submap, std::uint32_t id, const geometry::Pose& T_W_S, double resolution_m,
+               std::vector<geometry::Vec3> viewpoints_W = {});
 
   std::uint32_t id() const { return id_; }
   /// Sets the voxels of a block of W whose centre the submap knows to be free.
@@ -39,13 +49,15 @@ class PlacedSubmap {
   /// Whether a surface point of W at p_W lies in free space of this submap and farther than `distance_m` from all its
   /// surfaces.
   bool clears(const geometry::Vec3& p_W, double distance_m) const;
+  /// Distance from a point to where the sensor was nearest to it; nothing when that is not known.
+  std::optional<double> range_to(const geometry::Vec3& p_W) const;
 
  private:
   struct Group {
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  void sort_leaves();
+  void sort_leaves(const std::vector<bool>& is_thin);
   const ColumnBlock* states_of(const geometry::Index3& block_G) const;
   bool has_occupied_around(const geometry::Index3& voxel_G, int reach) const;
   void add_free_level(const geometry::Index3& block, Columns* free) const;
@@ -57,8 +69,9 @@ class PlacedSubmap {
   double resolution_m_;
   geometry::Pose T_W_G_;
   geometry::Pose T_G_W_;
+  std::vector<geometry::Vec3> viewpoints_W_;
   bool is_level_;  ///< turned about the vertical only, voxels of the same size
-  std::vector<ColumnBlock> states_;
+  mutable std::vector<std::unique_ptr<ColumnBlock>> states_;  ///< per block of the field, once it was asked for
   std::vector<EvidenceLeaf> leaves_;
   std::unordered_map<geometry::Index3, Group, geometry::Index3Hash> groups_;
 };

@@ -47,6 +47,8 @@ class Submap final : public geometry::DistanceField {
   containers::State state(const geometry::Vec3& p_S) const;
   /// Surface point of every occupied voxel, frame S; none is left out.
   std::vector<geometry::Vec3f> occupied_points() const;
+  /// For each of them whether it belongs to something thin; found once.
+  const std::vector<bool>& thin_leaves() const;
   /// Box around everything known, frame S.
   geometry::Aabb known_bounds() const { return known_bounds_; }
   /// What it is made of; read back from disk when it was moved there. Hold it while it is used.
@@ -95,6 +97,7 @@ class Submap final : public geometry::DistanceField {
   mutable std::shared_ptr<const CompressedField> field_;  ///< accessed atomically; null = on disk
   mutable std::mutex mutex_;                              ///< of what follows
   mutable std::unique_ptr<Surface> surface_;              ///< set once
+  mutable std::unique_ptr<std::vector<bool>> thin_;       ///< set once
   mutable std::string page_path_;                         ///< empty = never moved to disk
 };
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "voxnav/geometry/pose.hpp"
@@ -17,6 +18,7 @@ namespace voxnav::submap {
 struct SubmapCollectionConfig {
   double resolution_m = 0.4;
   double clearing_distance_m = 0.4;
+  double thin_range_m = 6.0;
   double pose_tolerance_m = 0.02;
   int max_submaps = 5000;
   double max_memory_mb = 2000.0;
@@ -28,6 +30,8 @@ struct SubmapCollectionConfig {
     v("resolution_m", &SubmapCollectionConfig::resolution_m, base::in(0.05, 5.0), "m", "voxel edge of the merged map");
     v("clearing_distance_m", &SubmapCollectionConfig::clearing_distance_m, base::in(0.0, 5.0), "m",
       "newer free space removes an older surface unless the newer submap has one of its own nearer than this");
+    v("thin_range_m", &SubmapCollectionConfig::thin_range_m, base::in(0.0, 100.0), "m",
+      "wires and poles are removed only by free space seen from this near, or from as near as they were");
     v("pose_tolerance_m", &SubmapCollectionConfig::pose_tolerance_m, base::in(0.0, 1.0), "m",
       "a submap is merged anew when a corner of its box moved farther than this");
     v("max_submaps", &SubmapCollectionConfig::max_submaps, base::in(1, 1000000), "",
@@ -44,6 +48,7 @@ struct SubmapCollectionConfig {
 /// A submap with what is known about how it was made.
 struct SubmapEntry {
   std::uint32_t id = 0;
+  std::uint32_t flight = 0;  ///< later flights are newer, whatever their clocks said
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
   geometry::Pose T_O_S = geometry::Pose::Identity();
@@ -57,7 +62,7 @@ class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
 
-  /// Replaces a submap of the same id. Age is the end stamp, then the id.
+  /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
   void add(SubmapEntry entry);
   /// @return false when there is no such submap
@@ -68,6 +73,8 @@ class SubmapCollection {
   const SubmapEntry* find(std::uint32_t id) const;
   /// Oldest first.
   std::vector<const SubmapEntry*> entries() const;
+  /// Null when there is none.
+  const SubmapEntry* newest() const { return records_.empty() ? nullptr : &records_.rbegin()->second.entry; }
   std::size_t size() const { return records_.size(); }
   std::uint64_t num_dropped() const { return num_dropped_; }
 
@@ -95,7 +102,7 @@ class SubmapCollection {
   /// Things that came or went between submaps.
   std::vector<SceneChange> changes(std::size_t min_voxels = 10);
 
-  /// Takes the submaps of another flight over; their ids are shifted behind the ones here.
+  /// Takes the submaps of another map over, as newer flights; their ids are shifted behind the ones here.
   /// @return what was added to their ids  @throws std::invalid_argument on another resolution or an invalid pose
   std::uint32_t merge(const SubmapCollection& other, const geometry::Pose& T_W_other);
   /// Submaps in memory; others rest in page_dir.
@@ -107,12 +114,16 @@ class SubmapCollection {
   /// Writes every submap and an index into `directory`. Each file is written beside its name, synced and renamed, the
   /// index last, so that a crash leaves the state before. @throws std::runtime_error naming file and reason
   void save(const std::string& directory) const;
-  /// @param problems null: the first broken submap throws; else it is left out and described there
-  /// @throws std::invalid_argument or std::runtime_error when the index is absent or broken
-  static SubmapCollection load(const std::string& directory, std::vector<std::string>* problems = nullptr);
+  /// @param problems  null: whatever is broken throws; else it is left out and described there, also parts of the index
+  /// @param config  null: as saved; else these settings, limits and page_dir above all
+  /// @throws std::invalid_argument or std::runtime_error when the index is absent, nothing of it is intact, or the
+  /// voxels of the configuration are not those of the map
+  static SubmapCollection load(const std::string& directory, std::vector<std::string>* problems = nullptr,
+                               const SubmapCollectionConfig* config = nullptr);
 
  private:
-  using Key = std::pair<base::StampNs, std::uint32_t>;
+  using Key = std::tuple<std::uint32_t, base::StampNs, std::uint32_t>;
+  static Key key_of(const SubmapEntry& entry) { return {entry.flight, entry.end_ns, entry.id}; }
   struct Record {
     SubmapEntry entry;
     geometry::Pose merged_T_W_S = geometry::Pose::Identity();

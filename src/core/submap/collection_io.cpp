@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <dirent.h>
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
+#include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <set>
+#include <stdexcept>
 
+#include "map_files.hpp"
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
@@ -17,72 +13,15 @@ namespace voxnav::submap {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x43535856;  // "VXSC"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kRecord = 0x43455256;  // "VREC", before every record, so that reading finds its way again
 const char* const kIndexName = "index.vxi";
-
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw std::runtime_error(path + ": " + what + ": " + std::strerror(errno));
-}
-
-void write_all(int file, const std::string& bytes, const std::string& path) {
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t written = ::write(file, bytes.data() + done, bytes.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      ::close(file);
-      fail(path, "cannot be written");
-    }
-    done += static_cast<std::size_t>(written);
-  }
-}
-
-/// The file holds the old bytes or the new ones, never a part.
-void write_atomically(const std::string& path, const std::string& bytes) {
-  const std::string temporary = path + ".part";
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  if (file < 0) fail(temporary, "cannot be created");
-  write_all(file, bytes, temporary);
-  const bool is_synced = ::fsync(file) == 0;
-  if (::close(file) != 0 || !is_synced) fail(temporary, "cannot be written");
-  if (::rename(temporary.c_str(), path.c_str()) != 0) fail(path, "cannot be replaced");
-}
-
-void sync_directory(const std::string& directory) {
-  const int handle = ::open(directory.c_str(), O_RDONLY);
-  if (handle < 0) return;
-  ::fsync(handle);
-  ::close(handle);
-}
-
-void make_directory(const std::string& path) {
-  for (std::size_t slash = path.find('/', 1); slash != std::string::npos; slash = path.find('/', slash + 1)) {
-    ::mkdir(path.substr(0, slash).c_str(), 0755);
-  }
-  if (::mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) fail(path, "cannot be created");
-}
-
-std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw std::runtime_error(path + ": cannot be read");
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 /// Named after its content, so that a save never overwrites a file that the index in place refers to.
 std::string file_name(std::uint32_t id, std::uint32_t sum) {
   char name[48];
   std::snprintf(name, sizeof(name), "submap_%06u_%08x.vxs", id, sum);
   return name;
-}
-
-void remove_unlisted(const std::string& directory, const std::set<std::string>& listed) {
-  DIR* handle = ::opendir(directory.c_str());
-  if (!handle) return;
-  while (const dirent* item = ::readdir(handle)) {
-    const std::string name = item->d_name;
-    if (name.compare(0, 7, "submap_") == 0 && listed.count(name) == 0) ::unlink((directory + "/" + name).c_str());
-  }
-  ::closedir(handle);
 }
 
 void put_pose(const geometry::Pose& pose, base::ByteWriter* out) {
@@ -99,6 +38,7 @@ geometry::Pose get_pose(base::ByteReader* in) {
 
 void put_entry(const SubmapEntry& entry, std::uint32_t sum, base::ByteWriter* out) {
   out->put(entry.id);
+  out->put(entry.flight);
   out->put(sum);
   out->put(entry.start_ns);
   out->put(entry.end_ns);
@@ -114,6 +54,7 @@ void put_entry(const SubmapEntry& entry, std::uint32_t sum, base::ByteWriter* ou
 SubmapEntry get_entry(base::ByteReader* in, std::uint32_t* sum) {
   SubmapEntry entry;
   entry.id = in->get<std::uint32_t>();
+  entry.flight = in->get<std::uint32_t>();
   *sum = in->get<std::uint32_t>();
   entry.start_ns = in->get<base::StampNs>();
   entry.end_ns = in->get<base::StampNs>();
@@ -127,15 +68,114 @@ SubmapEntry get_entry(base::ByteReader* in, std::uint32_t* sum) {
   return entry;
 }
 
-SubmapCollectionConfig get_config(base::ByteReader* in) {
+void put_record(base::ByteWriter* record, base::ByteWriter* out) {
+  const std::string bytes = record->finish();
+  out->put(kRecord);
+  out->put(static_cast<std::uint32_t>(bytes.size()));
+  out->put_raw(bytes.data(), bytes.size());
+}
+
+void put_settings(const SubmapCollectionConfig& config, std::size_t num_submaps, base::ByteWriter* out) {
+  out->put(config.resolution_m);
+  out->put(config.clearing_distance_m);
+  out->put(config.thin_range_m);
+  out->put(config.pose_tolerance_m);
+  out->put<std::int32_t>(config.max_submaps);
+  out->put(config.max_memory_mb);
+  out->put<std::uint64_t>(num_submaps);
+}
+
+SubmapCollectionConfig get_settings(base::ByteReader* in, std::size_t* num_submaps) {
   SubmapCollectionConfig config;
   config.resolution_m = in->get<double>();
   config.clearing_distance_m = in->get<double>();
+  config.thin_range_m = in->get<double>();
   config.pose_tolerance_m = in->get<double>();
   config.max_submaps = in->get<std::int32_t>();
   config.max_memory_mb = in->get<double>();
   if (!base::problems_of(config).empty()) in->fail("has settings out of range");
+  *num_submaps = in->get<std::uint64_t>();
   return config;
+}
+
+/// What is intact of an index.
+struct Index {
+  struct Listed {
+    SubmapEntry entry;
+    std::uint32_t sum = 0;
+  };
+  std::optional<SubmapCollectionConfig> settings;
+  std::size_t num_submaps = 0;  ///< as the settings say
+  std::vector<Listed> listed;
+};
+
+/// One record of either kind, told apart by their place: settings come first.
+void take_record(const std::string& bytes, bool is_first, const std::string& name, Index* index) {
+  base::ByteReader in(bytes, name);
+  if (is_first) {
+    index->settings = get_settings(&in, &index->num_submaps);
+  } else {
+    Index::Listed listed;
+    listed.entry = get_entry(&in, &listed.sum);
+    index->listed.push_back(std::move(listed));
+  }
+  if (in.remaining() != 0) in.fail("has a record of the wrong length");
+}
+
+/// Takes every record whose checksum fits; after a broken one it looks for the next mark.
+/// @param problem  null: the first broken record throws; else the reason of the first
+Index read_records(const std::string& bytes, const std::string& name, std::string* problem) {
+  constexpr std::size_t kFirst = 2 * sizeof(std::uint32_t);
+  const std::string mark(reinterpret_cast<const char*>(&kRecord), sizeof(kRecord));
+  Index index;
+  std::size_t at = kFirst;
+  while ((at = bytes.find(mark, at)) != std::string::npos) {
+    std::uint32_t size = 0;
+    const std::size_t start = at + 2 * sizeof(std::uint32_t);
+    if (start > bytes.size()) break;
+    std::memcpy(&size, bytes.data() + at + sizeof(kRecord), sizeof(size));
+    try {
+      if (size > bytes.size() - start) throw std::invalid_argument(name + " ends within a record");
+      take_record(bytes.substr(start, size), at == kFirst, name, &index);
+      at = start + size;
+    } catch (const std::invalid_argument& error) {
+      if (!problem) throw;
+      if (problem->empty()) *problem = error.what();
+      at += mark.size();
+    }
+  }
+  return index;
+}
+
+/// @param problems  null: anything broken throws
+Index read_index(const std::string& path, std::vector<std::string>* problems) {
+  const std::string bytes = read_file(path);
+  std::string problem;
+  try {
+    base::ByteReader in(bytes, path);
+    if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map index");
+    if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
+  } catch (const std::invalid_argument& error) {
+    if (!problems) throw;
+    problem = error.what();
+  }
+  Index index = read_records(bytes, path, problems ? &problem : nullptr);
+  if (!problems && (!index.settings || index.listed.size() != index.num_submaps))
+    throw std::invalid_argument(path + " does not hold what it announces");
+  if (problem.empty()) return index;
+  if (index.listed.empty()) throw std::invalid_argument(problem);
+  const std::string of = index.settings ? " of " + std::to_string(index.num_submaps) : "";
+  problems->push_back(problem + "; " + std::to_string(index.listed.size()) + of + " submaps are intact in it");
+  return index;
+}
+
+SubmapCollectionConfig settings_of(const Index& index, const std::string& path, const SubmapCollectionConfig* wanted) {
+  if (!wanted) return index.settings.value_or(SubmapCollectionConfig{});
+  if (index.settings && index.settings->resolution_m != wanted->resolution_m) {
+    throw std::invalid_argument(path + " has voxels of " + std::to_string(index.settings->resolution_m) + " m, not " +
+                                std::to_string(wanted->resolution_m) + " m");
+  }
+  return *wanted;
 }
 
 }  // namespace
@@ -145,19 +185,18 @@ void SubmapCollection::save(const std::string& directory) const {
   base::ByteWriter index;
   index.put(kMagic);
   index.put(kVersion);
-  index.put(config_.resolution_m);
-  index.put(config_.clearing_distance_m);
-  index.put(config_.pose_tolerance_m);
-  index.put<std::int32_t>(config_.max_submaps);
-  index.put(config_.max_memory_mb);
-  index.put<std::uint64_t>(records_.size());
+  base::ByteWriter settings;
+  put_settings(config_, records_.size(), &settings);
+  put_record(&settings, &index);
   std::set<std::string> listed;
   for (const SubmapEntry* entry : entries()) {
     const std::string bytes = entry->submap->to_bytes();
     const std::uint32_t sum = base::crc32(bytes.data(), bytes.size());
     const std::string name = file_name(entry->id, sum);
     write_atomically(directory + "/" + name, bytes);
-    put_entry(*entry, sum, &index);
+    base::ByteWriter record;
+    put_entry(*entry, sum, &record);
+    put_record(&record, &index);
     listed.insert(name);
   }
   sync_directory(directory);
@@ -166,20 +205,18 @@ void SubmapCollection::save(const std::string& directory) const {
   remove_unlisted(directory, listed);
 }
 
-SubmapCollection SubmapCollection::load(const std::string& directory, std::vector<std::string>* problems) {
-  const std::string index_bytes = read_file(directory + "/" + kIndexName);
-  base::ByteReader in(index_bytes, directory + "/" + kIndexName);
-  if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map index");
-  if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
-  SubmapCollection out(get_config(&in));
-  const std::uint64_t count = in.get_count(sizeof(std::uint32_t));
-  for (std::uint64_t i = 0; i < count; ++i) {
-    std::uint32_t sum = 0;
-    SubmapEntry entry = get_entry(&in, &sum);
-    const std::string path = directory + "/" + file_name(entry.id, sum);
+SubmapCollection SubmapCollection::load(const std::string& directory, std::vector<std::string>* problems,
+                                        const SubmapCollectionConfig* config) {
+  const std::string index_path = directory + "/" + kIndexName;
+  const Index index = read_index(index_path, problems);
+  SubmapCollection out(settings_of(index, index_path, config));
+  for (const Index::Listed& listed : index.listed) {
+    const std::string path = directory + "/" + file_name(listed.entry.id, listed.sum);
     try {
+      SubmapEntry entry = listed.entry;
       entry.submap = Submap::from_bytes(read_file(path));
       out.add(std::move(entry));
+      out.page_out();
     } catch (const std::exception& error) {
       const std::string problem = path + ": " + error.what();
       if (!problems) throw std::invalid_argument(problem);

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/submap/compressed_field.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <stdexcept>
-
-#include "voxnav/base/check.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -19,23 +14,37 @@ State state_in(const std::array<std::uint64_t, 2>& states, int voxel) {
   return static_cast<State>((states[voxel >> 5] >> (2 * (voxel & 31))) & 3u);
 }
 
-/// Rounds -127 to 127 without a call.
-std::int8_t rounded(double value) { return static_cast<std::int8_t>(static_cast<int>(value + 128.5) - 128); }
+/// Moves bit i to bit 4 i.
+std::uint64_t spread_by_four(std::uint64_t bits) {
+  bits = (bits | (bits << 24)) & 0x000000FF000000FFull;
+  bits = (bits | (bits << 12)) & 0x000F000F000F000Full;
+  bits = (bits | (bits << 6)) & 0x0303030303030303ull;
+  return (bits | (bits << 3)) & 0x1111111111111111ull;
+}
 
-/// Leaves of a block cell by cell, in the order of their voxels, which is also that of their offsets.
-std::array<std::vector<CompressedField::Leaf>, 64> leaves_by_cell(const occupancy::ContentBlock& block) {
-  std::array<std::vector<CompressedField::Leaf>, 64> out;
-  int last = -1;
-  for (const occupancy::OccupiedLeaf& leaf : block.occupied) {
-    const bool fits =
-        leaf.offset < geometry::kBlockVolume && leaf.offset > last && block.states.get(leaf.offset) == State::kOccupied;
-    if (!fits) throw std::invalid_argument("map content has leaves that do not match its states");
-    last = leaf.offset;
-    std::array<std::int8_t, 3> mean;
-    for (std::size_t k = 0; k < 3; ++k) mean[k] = std::max<std::int8_t>(leaf.mean[k], -127);
-    out[static_cast<std::size_t>(CompressedField::cell_of(leaf.offset))].push_back({mean, leaf.hits});
+/// Moves bit 2 i to bit i.
+std::uint64_t gather_even(std::uint64_t bits) {
+  bits &= 0x5555555555555555ull;
+  bits = (bits | (bits >> 1)) & 0x3333333333333333ull;
+  bits = (bits | (bits >> 2)) & 0x0F0F0F0F0F0F0F0Full;
+  bits = (bits | (bits >> 4)) & 0x00FF00FF00FF00FFull;
+  bits = (bits | (bits >> 8)) & 0x0000FFFF0000FFFFull;
+  return (bits | (bits >> 16)) & 0x00000000FFFFFFFFull;
+}
+
+/// One of the two bits of each voxel of a cell as columns of four, x fastest. A word holds two layers of 16 voxels.
+std::uint64_t columns_of_cell(const std::array<std::uint64_t, 2>& states, int bit) {
+  const std::uint64_t low = gather_even(states[0] >> bit);
+  const std::uint64_t high = gather_even(states[1] >> bit);
+  return spread_by_four(low & 0xFFFFu) | spread_by_four(low >> 16) << 1 | spread_by_four(high & 0xFFFFu) << 2 |
+         spread_by_four(high >> 16) << 3;
+}
+
+/// Columns of four of a cell into those of its block. @param columns  of the block, from the cell's first on
+void add_nibbles(std::uint64_t nibbles, int z, std::uint16_t* columns) {
+  for (int y = 0; y < 4; ++y, columns += geometry::kBlockSide) {
+    for (int x = 0; x < 4; ++x, nibbles >>= 4) columns[x] |= static_cast<std::uint16_t>((nibbles & 15u) << z);
   }
-  return out;
 }
 
 /// Squared distance from p to the cube of `side` voxels that starts at `lower`; nearest point of it on request.
@@ -47,141 +56,6 @@ double squared_to_cube(const Vec3& p, const Index3& lower, double side, Vec3* ne
 }
 
 }  // namespace
-
-CompressedField::CompressedField(const occupancy::MapContent& content, double band) : band_(band) {
-  std::vector<const occupancy::ContentBlock*> order;
-  for (const occupancy::ContentBlock& block : content.blocks) {
-    if (!block.states.all_unknown() || !block.occupied.empty()) order.push_back(&block);
-  }
-  std::sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->index < b->index; });
-  blocks_.reserve(order.size());
-  leaves_.reserve(content.num_occupied());
-  for (const occupancy::ContentBlock* block : order) {
-    if (!blocks_.empty() && blocks_.back().index == block->index)
-      throw std::invalid_argument("map content has the same block twice");
-    add_block(*block);
-  }
-  shrink();
-  link();
-}
-
-CompressedField::CompressedField(const std::vector<FilledBlock>& blocks, double band) : band_(band), has_values_(true) {
-  for (const FilledBlock& block : blocks) {
-    if (!block.states.all_unknown()) add_block(block);
-  }
-  shrink();
-  link();
-}
-
-void CompressedField::shrink() {
-  blocks_.shrink_to_fit();
-  states_.shrink_to_fit();
-  near_.shrink_to_fit();
-  values_.shrink_to_fit();
-  leaves_.shrink_to_fit();
-}
-
-int CompressedField::count_occupied(const CellStates& states) {
-  constexpr std::uint64_t kHighBits = 0xAAAAAAAAAAAAAAAAull;
-  return __builtin_popcountll(states[0] & kHighBits) + __builtin_popcountll(states[1] & kHighBits);
-}
-
-CompressedField::Block CompressedField::new_block(const Index3& index) const {
-  Block block;
-  block.index = index;
-  block.first_states = static_cast<std::uint32_t>(states_.size());
-  block.first_near = static_cast<std::uint32_t>(near_.size());
-  return block;
-}
-
-/// A byte holds four voxels along x, in a block and in a cell, so that states move byte by byte.
-void CompressedField::add_block(const occupancy::ContentBlock& content) {
-  Block block = new_block(content.index);
-  std::array<std::uint8_t, geometry::kBlockVolume / 4> bytes;
-  std::memcpy(bytes.data(), content.states.words.data(), bytes.size());
-  std::array<std::vector<Leaf>, kCells> by_cell = leaves_by_cell(content);
-  for (int cell = 0; cell < kCells; ++cell) {
-    std::array<std::uint8_t, 16> moved;
-    const std::uint8_t* from = &bytes[static_cast<std::size_t>(offset_of(cell, 0) / 4)];
-    for (std::size_t row = 0; row < moved.size(); ++row) moved[row] = from[(row & 3) * 4 + (row >> 2) * 64];
-    CellStates states;
-    std::memcpy(states.data(), moved.data(), moved.size());
-    const std::vector<Leaf>& leaves = by_cell[static_cast<std::size_t>(cell)];
-    if (count_occupied(states) != static_cast<int>(leaves.size()))
-      throw std::invalid_argument("map content has leaves that do not match its states");
-    add_cell(cell, states, nullptr, &block);
-    leaves_.insert(leaves_.end(), leaves.begin(), leaves.end());
-  }
-  blocks_.push_back(block);
-}
-
-void CompressedField::add_block(const FilledBlock& filled) {
-  Block block = new_block(filled.index);
-  auto leaf = filled.leaves.begin();
-  for (int cell = 0; cell < kCells; ++cell) {
-    CellStates states{};
-    CellValues values;
-    values.fill(kNoValue);
-    bool has_value = false;
-    const std::size_t first_leaf = leaves_.size();
-    for (int voxel = 0; voxel < kCells; ++voxel) {
-      const int offset = offset_of(cell, voxel);
-      const State state = filled.states.get(offset);
-      states[voxel >> 5] |= static_cast<std::uint64_t>(state) << (2 * (voxel & 31));
-      const float value = filled.values.empty() ? std::nanf("") : filled.values[static_cast<std::size_t>(offset)];
-      if (value <= band_) values[voxel] = rounded(std::max(-1.0, value / band_) * 127.0);
-      has_value |= value <= band_;
-      if (state != State::kOccupied) continue;
-      leaf = std::lower_bound(filled.leaves.begin(), filled.leaves.end(), offset,
-                              [](const FilledLeaf& l, int o) { return l.offset < o; });
-      VOXNAV_CHECK(leaf != filled.leaves.end() && leaf->offset == offset, "an occupied voxel has no leaf");
-      leaves_.push_back({leaf->mean, leaf->hits});
-    }
-    add_cell(cell, states, has_value || leaves_.size() > first_leaf ? &values : nullptr, &block);
-  }
-  blocks_.push_back(block);
-}
-
-void CompressedField::add_cell(int cell, const CellStates& states, const CellValues* values, Block* block) {
-  constexpr std::uint64_t kAllFreeWord = 0x5555555555555555ull;
-  if (values || count_occupied(states) > 0) {
-    block->codes[cell] = static_cast<std::uint8_t>(kFirstNear + block->num_near++);
-    near_.push_back(states);
-    if (values) values_.push_back(*values);
-  } else if (states[0] == kAllFreeWord && states[1] == kAllFreeWord) {
-    block->codes[cell] = kAllFree;
-  } else if ((states[0] | states[1]) != 0) {
-    block->codes[cell] = static_cast<std::uint8_t>(kFirstStates + states_.size() - block->first_states);
-    states_.push_back(states);
-  }
-}
-
-void CompressedField::link() {
-  std::uint32_t leaf = 0;
-  first_leaf_.clear();
-  first_leaf_.reserve(near_.size());
-  for (const CellStates& near : near_) {
-    first_leaf_.push_back(leaf);
-    leaf += static_cast<std::uint32_t>(count_occupied(near));
-  }
-  std::size_t size = 16;
-  while (size < 2 * blocks_.size()) size *= 2;
-  table_.assign(size, -1);
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    Block& block = blocks_[i];
-    block.occupied_cells = 0;
-    block.num_near = 0;
-    for (int cell = 0; cell < kCells; ++cell) {
-      if (block.codes[cell] < kFirstNear) continue;
-      ++block.num_near;
-      const CellStates& near = near_[block.first_near + block.codes[cell] - kFirstNear];
-      if (count_occupied(near) > 0) block.occupied_cells |= std::uint64_t{1} << cell;
-    }
-    std::size_t slot = geometry::Index3Hash{}(block.index) & (size - 1);
-    while (table_[slot] >= 0) slot = (slot + 1) & (size - 1);
-    table_[slot] = static_cast<std::int32_t>(i);
-  }
-}
 
 int CompressedField::position_of(const Index3& index) const {
   if (table_.empty()) return -1;
@@ -204,20 +78,11 @@ ColumnBlock CompressedField::columns(std::size_t i) const {
     const std::uint8_t code = block.codes[cell];
     if (code == kAllUnknown) continue;
     const CellStates states = cell_states(block, cell);
-    // A word holds two layers of sixteen voxels, two bits each.
     const int first = offset_of(cell, 0);
-    const int z = first >> 8;
-    for (int xy = 0; xy < 16; ++xy) {
-      const std::uint64_t low = states[0] >> (2 * xy);
-      const std::uint64_t high = states[1] >> (2 * xy);
-      const auto column = static_cast<std::size_t>(first & 255) + static_cast<std::size_t>((xy & 3) | ((xy >> 2) << 4));
-      const auto nibble = [&](int bit) {
-        return static_cast<unsigned>(((low >> bit) & 1) | (((low >> (32 + bit)) & 1) << 1) |
-                                     (((high >> bit) & 1) << 2) | (((high >> (32 + bit)) & 1) << 3));
-      };
-      out.free[column] |= static_cast<std::uint16_t>(nibble(0) << z);
-      out.occupied[column] |= static_cast<std::uint16_t>(nibble(1) << z);
-    }
+    std::uint16_t* free = &out.free[static_cast<std::size_t>(first & 255)];
+    add_nibbles(code == kAllFree ? ~std::uint64_t{0} : columns_of_cell(states, 0), first >> 8, free);
+    if (code < kFirstNear) continue;
+    add_nibbles(columns_of_cell(states, 1), first >> 8, &out.occupied[static_cast<std::size_t>(first & 255)]);
   }
   return out;
 }
@@ -287,6 +152,12 @@ void CompressedField::search_block(const Block& block, const Vec3& p, Target tar
   }
 }
 
+void CompressedField::search_near_block(const Block& block, const Vec3& p, Target target, Nearest* best) const {
+  if (block.occupied_cells == 0) return;
+  const Index3 first = geometry::voxel_at(block.index, 0);
+  if (squared_to_cube(p, first, geometry::kBlockSide, nullptr) < best->squared) search_block(block, p, target, best);
+}
+
 std::optional<CompressedField::Nearest> CompressedField::nearest(const Vec3& p, double max_distance,
                                                                  Target target) const {
   Nearest best;
@@ -298,6 +169,11 @@ std::optional<CompressedField::Nearest> CompressedField::nearest(const Vec3& p, 
     // Nothing of this shell of blocks is nearer than the blocks between.
     const double reach = (shell - 1) * static_cast<double>(geometry::kBlockSide);
     if (shell > 1 && reach * reach >= best.squared) break;
+    // Where more places would be visited than there are blocks, these are looked through instead.
+    if (24.0 * shell * shell > static_cast<double>(blocks_.size())) {
+      for (const Block& block : blocks_) search_near_block(block, p, target, &best);
+      break;
+    }
     for (int z = -shell; z <= shell; ++z) {
       for (int y = -shell; y <= shell; ++y) {
         const bool is_side = std::abs(z) == shell || std::abs(y) == shell;
@@ -305,7 +181,7 @@ std::optional<CompressedField::Nearest> CompressedField::nearest(const Vec3& p, 
           const Index3 index = center + Index3{x, y, z};
           if (squared_to_cube(p, geometry::voxel_at(index, 0), geometry::kBlockSide, nullptr) >= best.squared) continue;
           const Block* block = find(index);
-          if (block && block->occupied_cells) search_block(*block, p, target, &best);
+          if (block) search_near_block(*block, p, target, &best);
         }
       }
     }

@@ -17,34 +17,64 @@ geometry::Aabb block_box(const Index3& block, double side_m) {
   return {Vec3(block.x, block.y, block.z) * side_m, Vec3(block.x + 1, block.y + 1, block.z + 1) * side_m};
 }
 
+bool has(const Columns& columns, const EvidenceLeaf& leaf) {
+  return ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1) != 0;
+}
+
+void set(const EvidenceLeaf& leaf, Columns* columns) {
+  (*columns)[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
+}
+
+/// Whether every voxel is known, so that more free space says nothing new.
+bool is_decided(const ColumnBlock& states) {
+  unsigned all = 0xFFFFu;
+  for (std::size_t i = 0; i < states.free.size(); ++i) all &= states.free[i] | states.occupied[i];
+  return all == 0xFFFFu;
+}
+
 }  // namespace
 
-EvidenceMap::EvidenceMap(double resolution_m, double clearing_distance_m)
-    : resolution_m_(resolution_m), clearing_distance_m_(clearing_distance_m) {
-  if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be positive");
+EvidenceMap::EvidenceMap(const EvidenceRules& rules) : rules_(rules) {
+  if (!(rules.resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be positive");
 }
 
 void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
   EvidenceBlock& block = blocks_[index];
-  drop_cleared(index, submap, &block);
-  take_leaves(submap.leaves(index), &block);
-  submap.add_free(index, &block.states.free);
-  block.states.occupied.fill(0);
-  for (const EvidenceLeaf& leaf : block.leaves) {
-    block.states.occupied[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
+  const PlacedSubmap::Range leaves = submap.leaves(index);
+  Columns seen{};
+  for (const EvidenceLeaf& leaf : leaves) set(leaf, &seen);
+  drop_older(index, submap, seen, &block);
+  for (EvidenceLeaf leaf : leaves) {
+    leaf.is_new = has(block.states.free, leaf);
+    block.leaves.push_back(leaf);
   }
+  block.states.occupied.fill(0);
+  for (const EvidenceLeaf& leaf : block.leaves) set(leaf, &block.states.occupied);
+  if (!is_decided(block.states)) submap.add_free(index, &block.states.free);
   // Under a leaf nothing is free, also not once a newer submap has taken the leaf away: that submap has to say so.
   for (std::size_t i = 0; i < block.states.free.size(); ++i) block.states.free[i] &= ~block.states.occupied[i];
   if (block.leaves.empty() && block.gone.empty() && block.states.all_unknown()) blocks_.erase(index);
 }
 
-void EvidenceMap::drop_cleared(const Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const {
-  const auto is_gone = [&](const EvidenceLeaf& leaf) {
-    if (!submap.clears(point_of(index, leaf), clearing_distance_m_)) return false;
+/// Newer points replace the older ones of their voxel; newer free space removes others.
+void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, const Columns& seen,
+                             EvidenceBlock* block) const {
+  const auto is_over = [&](const EvidenceLeaf& leaf) {
+    if (has(seen, leaf)) return true;
+    if (!clears(submap, point_of(index, leaf), leaf)) return false;
     remember_gone(leaf, submap.id(), block);
     return true;
   };
-  block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_gone), block->leaves.end());
+  block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_over), block->leaves.end());
+  const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(seen, leaf); };
+  block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
+}
+
+bool EvidenceMap::clears(const PlacedSubmap& submap, const Vec3& p_W, const EvidenceLeaf& leaf) const {
+  if (!submap.clears(p_W, rules_.clearing_distance_m)) return false;
+  if (!leaf.is_thin) return true;
+  const auto range_m = submap.range_to(p_W);
+  return !range_m || *range_m <= std::max(rules_.thin_range_m, leaf.range_m());
 }
 
 void EvidenceMap::remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block) {
@@ -59,39 +89,22 @@ void EvidenceMap::remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, Evid
   }
 }
 
-/// Newer points replace the older ones of their voxel.
-void EvidenceMap::take_leaves(const PlacedSubmap::Range& leaves, EvidenceBlock* block) const {
-  if (leaves.first == leaves.last) return;
-  const auto has = [](const Columns& columns, const EvidenceLeaf& leaf) {
-    return ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1) != 0;
-  };
-  Columns seen{};
-  for (const EvidenceLeaf& leaf : leaves)
-    seen[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
-  const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(seen, leaf); };
-  block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_replaced), block->leaves.end());
-  block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
-  for (EvidenceLeaf leaf : leaves) {
-    leaf.is_new = has(block->states.free, leaf);
-    block->leaves.push_back(leaf);
-  }
-}
-
 const EvidenceBlock* EvidenceMap::find(const Index3& block) const {
   const auto it = blocks_.find(block);
   return it == blocks_.end() ? nullptr : &it->second;
 }
 
 State EvidenceMap::state(const Vec3& p_W) const {
-  if (!((p_W.array().abs() / resolution_m_) < 1073741824.0).all()) return State::kUnknown;
-  const Index3 voxel = geometry::index_of(p_W, resolution_m_);
+  if (!((p_W.array().abs() / rules_.resolution_m) < 1073741824.0).all()) return State::kUnknown;
+  const Index3 voxel = geometry::index_of(p_W, rules_.resolution_m);
   const EvidenceBlock* block = find(geometry::block_of(voxel));
   return block ? block->states.get(geometry::offset_in_block(voxel)) : State::kUnknown;
 }
 
 Vec3 EvidenceMap::point_of(const Index3& block, const EvidenceLeaf& leaf) const {
   const Vec3 mean(leaf.mean[0], leaf.mean[1], leaf.mean[2]);
-  return geometry::center_of(geometry::voxel_at(block, leaf.offset), resolution_m_) + mean * (resolution_m_ / 254.0);
+  return geometry::center_of(geometry::voxel_at(block, leaf.offset), rules_.resolution_m) +
+         mean * (rules_.resolution_m / 254.0);
 }
 
 std::optional<double> EvidenceMap::distance_to_surface(const Vec3& p_W, double max_distance_m) const {
@@ -101,8 +114,8 @@ std::optional<double> EvidenceMap::distance_to_surface(const Vec3& p_W, double m
 }
 
 std::optional<NearestSurface> EvidenceMap::nearest_surface(const Vec3& p_W, double max_distance_m) const {
-  if (!((p_W.array().abs() / resolution_m_) < 1073741824.0).all()) return std::nullopt;
-  const double side_m = kBlockSide * resolution_m_;
+  if (!((p_W.array().abs() / rules_.resolution_m) < 1073741824.0).all()) return std::nullopt;
+  const double side_m = kBlockSide * rules_.resolution_m;
   const double limit = max_distance_m * max_distance_m;
   NearestSurface best{Vec3::Zero(), limit};  // squared until the end
   const auto search = [&](const Index3& index) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "map_files.hpp"
 #include "voxnav/submap/mesh.hpp"
 
 namespace voxnav::submap {
@@ -65,6 +66,16 @@ void save_clouds(const SubmapCollection& collection, const std::string& director
     poses += pose_line(*entry);
   }
   write_file(directory + "/poses.txt", poses);
+}
+
+void export_all(SubmapCollection* collection, const std::string& directory) {
+  make_directory(directory);
+  write_file(directory + "/mesh.ply", to_ply(extract_mesh(collection)));
+  Mesh points;
+  points.vertices = collection->occupied_points();
+  write_file(directory + "/occupied.ply", to_ply(points));
+  save_octomap(collection->evidence(), directory + "/map.ot");
+  save_clouds(*collection, directory);
 }
 
 }  // namespace voxnav::submap

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/submap/mesh.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 #include <unordered_map>
 
 namespace voxnav::submap {
@@ -63,8 +65,20 @@ struct VertexKeyHash {
 
 class Extractor {
  public:
-  Extractor(const Submap& submap, Mesh* mesh) : submap_(submap), mesh_(mesh) {}
+  /// @param T_A_G frame of the voxels in that of the mesh
+  Extractor(const geometry::Pose& T_A_G, double resolution_m, Mesh* mesh)
+      : T_A_G_(T_A_G), resolution_m_(resolution_m), mesh_(mesh) {}
 
+  /// Cubes of one block, until the mesh has `max_triangles`.
+  void add_block(const Index3& block, const DistanceBlock& distances, std::size_t max_triangles) {
+    std::array<float, 8> values;
+    for (int offset = 0; offset < geometry::kBlockVolume && mesh_->triangles.size() < max_triangles; ++offset) {
+      const Index3 local = geometry::voxel_at({0, 0, 0}, offset);
+      if (distances.corners(local.x, local.y, local.z, &values)) add_cube(geometry::voxel_at(block, offset), values);
+    }
+  }
+
+ private:
   void add_cube(const Index3& lower, const std::array<float, 8>& values) {
     std::array<bool, 8> is_inside;
     int num_inside = 0;
@@ -86,7 +100,6 @@ class Extractor {
     }
   }
 
- private:
   std::uint32_t vertex(const Index3& lower, int edge, const std::array<float, 8>& values) {
     const int corner = edge / 3;
     const int axis = edge % 3;
@@ -97,50 +110,95 @@ class Extractor {
       const float b = values[static_cast<std::size_t>(corner | (1 << axis))];
       geometry::Vec3 p(voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5);
       p[axis] += a / (a - b);
-      mesh_->vertices.push_back((submap_.T_S_G() * (p * submap_.resolution_m())).cast<float>());
+      mesh_->vertices.push_back((T_A_G_ * (p * resolution_m_)).cast<float>());
     }
     return inserted.first->second;
   }
 
-  const Submap& submap_;
+  geometry::Pose T_A_G_;
+  double resolution_m_;
   Mesh* mesh_;
   std::vector<std::uint32_t> polygon_;
   std::unordered_map<VertexKey, std::uint32_t, VertexKeyHash> vertices_;
 };
 
+/// The merged map around some blocks, as one submap would hold it.
+CompressedField field_around(const EvidenceMap& evidence, const std::vector<Index3>& blocks) {
+  std::set<Index3> around;
+  for (const Index3& block : blocks) {
+    for (int i = 0; i < 27; ++i) around.insert(block + Index3{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1});
+  }
+  occupancy::MapContent content;
+  content.resolution_m = evidence.resolution_m();
+  for (const Index3& index : around) {
+    const EvidenceBlock* known = evidence.find(index);
+    if (!known) continue;
+    occupancy::ContentBlock block{index, to_states(known->states), {}};
+    for (const EvidenceLeaf& leaf : known->leaves) block.occupied.push_back({leaf.offset, leaf.mean, leaf.hits});
+    auto& leaves = block.occupied;
+    std::stable_sort(leaves.begin(), leaves.end(), [](const auto& a, const auto& b) { return a.offset < b.offset; });
+    const auto is_same = [](const auto& a, const auto& b) { return a.offset == b.offset; };
+    leaves.erase(std::unique(leaves.begin(), leaves.end(), is_same), leaves.end());
+    content.blocks.push_back(std::move(block));
+  }
+  return CompressedField(content, SubmapConfig{}.band_voxels);
+}
+
 }  // namespace
 
-void Mesh::append(const Mesh& other, const geometry::Pose& T_A_B, const Color& color) {
+void Mesh::append(const Mesh& other) {
   const auto base = static_cast<std::uint32_t>(vertices.size());
-  colors.resize(vertices.size(), Color{200, 200, 200});
-  for (const Vec3f& p : other.vertices) {
-    vertices.push_back((T_A_B * p.cast<double>()).cast<float>());
-    colors.push_back(color);
-  }
+  vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
+  colors.insert(colors.end(), other.colors.begin(), other.colors.end());
   for (const auto& t : other.triangles) triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
 }
 
 Mesh extract_mesh(const Submap& submap, std::size_t max_triangles) {
   Mesh mesh;
-  Extractor extractor(submap, &mesh);
+  Extractor extractor(submap.T_S_G(), submap.resolution_m(), &mesh);
   const auto field = submap.field();
-  std::array<float, 8> values;
-  for (std::size_t i = 0; i < field->num_blocks() && mesh.triangles.size() < max_triangles; ++i) {
-    const auto distances = submap.distances(*field, static_cast<int>(i));
-    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      const Index3 local = geometry::voxel_at({0, 0, 0}, offset);
-      if (mesh.triangles.size() < max_triangles && distances->corners(local.x, local.y, local.z, &values))
-        extractor.add_cube(geometry::voxel_at(field->block_index(i), offset), values);
-    }
+  for (std::size_t i = 0; i < field->num_blocks(); ++i) {
+    extractor.add_block(field->block_index(i), *submap.distances(*field, static_cast<int>(i)), max_triangles);
   }
   return mesh;
 }
 
-Mesh extract_mesh(const SubmapCollection& collection, std::size_t max_triangles) {
+Mesh extract_mesh(const EvidenceMap& evidence, const std::vector<Index3>& blocks, std::size_t max_triangles) {
+  Mesh mesh;
+  Extractor extractor(geometry::Pose::Identity(), evidence.resolution_m(), &mesh);
+  const CompressedField field = field_around(evidence, blocks);
+  for (const Index3& block : blocks) {
+    const auto distances = derive_distances(field, block);
+    if (distances) extractor.add_block(block, *distances, max_triangles);
+  }
+  for (const Vec3f& p : mesh.vertices) mesh.colors.push_back(color_of_height(p.z()));
+  return mesh;
+}
+
+Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles) {
+  constexpr std::size_t kAtOnce = 64;  // bounds what is unpacked at a time
+  collection->update();
+  const EvidenceMap& evidence = collection->evidence();
+  std::vector<Index3> order;
+  for (const auto& item : evidence.blocks()) order.push_back(item.first);
+  std::sort(order.begin(), order.end());
   Mesh out;
-  for (const SubmapEntry* entry : collection.entries()) {
-    if (out.triangles.size() >= max_triangles) break;
-    out.append(extract_mesh(*entry->submap, max_triangles - out.triangles.size()), entry->T_W_S, color_of(entry->id));
+  for (std::size_t i = 0; i < order.size() && out.triangles.size() < max_triangles; i += kAtOnce) {
+    const std::vector<Index3> some(order.begin() + static_cast<std::ptrdiff_t>(i),
+                                   order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), i + kAtOnce)));
+    out.append(extract_mesh(evidence, some, max_triangles - out.triangles.size()));
+  }
+  return out;
+}
+
+Color color_of_height(double z_m, double period_m) {
+  const double phase = z_m / period_m - std::floor(z_m / period_m);
+  const double hue = 4.0 * (1.0 - (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase));  // 4 = blue, 2 = green, 0 = red
+  Color out;
+  for (int k = 0; k < 3; ++k) {
+    const double distance = std::abs(std::fmod(hue + 6.0 - 2.0 * k, 6.0) - 3.0);
+    out[static_cast<std::size_t>(k)] =
+        static_cast<std::uint8_t>(255.0 * (0.15 + 0.8 * std::min(1.0, std::max(0.0, distance - 1.0))));
   }
   return out;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "voxnav/submap/block_marks.hpp"
+
 namespace voxnav::submap {
 namespace {
 
@@ -38,12 +40,6 @@ bool comes_later(const Index3& a, const Index3& b) {
   return b < a;
 }
 
-template <class Less>
-void sort_unique(std::vector<Index3>* blocks, Less less) {
-  std::sort(blocks->begin(), blocks->end(), less);
-  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
-}
-
 }  // namespace
 
 ObstacleMap::ObstacleMap(double resolution_m, double safety_distance_m)
@@ -71,17 +67,16 @@ bool ObstacleMap::surface_changed(const Index3& block, const EvidenceBlock* evid
 
 void ObstacleMap::collect_due(const EvidenceMap& evidence) {
   if (marked_.empty()) return;
+  std::vector<Index3> changed;
   for (const Index3& block : marked_) {
-    due_.push_back(block);
-    if (!surface_changed(block, evidence.find(block))) continue;
-    for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
-      for (int y = -reach_blocks_; y <= reach_blocks_; ++y) {
-        for (int x = -reach_blocks_; x <= reach_blocks_; ++x) due_.push_back(block + Index3{x, y, z});
-      }
-    }
+    if (surface_changed(block, evidence.find(block))) changed.push_back(block);
   }
+  dilate(reach_blocks_, &changed);
+  due_.insert(due_.end(), marked_.begin(), marked_.end());
+  due_.insert(due_.end(), changed.begin(), changed.end());
   marked_.clear();
-  sort_unique(&due_, comes_later);
+  sort_unique(&due_);
+  std::sort(due_.begin(), due_.end(), comes_later);
 }
 
 std::size_t ObstacleMap::update(const EvidenceMap& evidence, std::size_t max_blocks) {

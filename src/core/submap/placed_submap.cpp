@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "voxnav/submap/block_marks.hpp"
 #include "voxnav/submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -19,6 +21,10 @@ std::int8_t mean_byte(double edges) {
   return static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, edges * 254.0))));
 }
 
+std::uint8_t range_byte(const std::optional<double>& range_m) {
+  return range_m ? static_cast<std::uint8_t>(std::min(255.0, 2.0 * *range_m)) : std::uint8_t{255};
+}
+
 bool turns_about_vertical(const Pose& T) {
   constexpr double kLevel = 1e-5;  // a tenth of a millimetre over ten metres
   const Eigen::Matrix3d R = T.linear();
@@ -27,20 +33,21 @@ bool turns_about_vertical(const Pose& T) {
 
 }  // namespace
 
-PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m)
+PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m,
+                           std::vector<Vec3> viewpoints_W)
     : field_(submap.field()),
       submap_resolution_m_(submap.resolution_m()),
       id_(id),
       resolution_m_(resolution_m),
       T_W_G_(T_W_S * submap.T_S_G()),
       T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
+      viewpoints_W_(std::move(viewpoints_W)),
       is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
   states_.resize(field_->num_blocks());
-  for (std::size_t i = 0; i < states_.size(); ++i) states_[i] = field_->columns(i);
-  sort_leaves();
+  sort_leaves(submap.thin_leaves());
 }
 
-void PlacedSubmap::sort_leaves() {
+void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
   struct Placed {
     Group* group;
     EvidenceLeaf leaf;
@@ -60,7 +67,10 @@ void PlacedSubmap::sort_leaves() {
     ++group->count;
     const Vec3 mean = p - geometry::center_of(at, 1.0);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
-    placed.push_back({group, {offset, {mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())}, id_, false}});
+    const std::array<std::int8_t, 3> bytes{mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())};
+    const bool thin = is_thin[placed.size()];
+    const std::uint8_t range = thin ? range_byte(range_to(p * resolution_m_)) : std::uint8_t{255};
+    placed.push_back({group, {offset, bytes, leaf.hits, range, thin, id_, false}});
   });
   std::uint32_t next = 0;
   for (auto& item : groups_) {
@@ -79,9 +89,13 @@ PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
   return {first, first + found->second.count};
 }
 
+/// Unpacked when first asked for: most of the air is known from other submaps already.
 const ColumnBlock* PlacedSubmap::states_of(const Index3& block_G) const {
   const int position = field_->position_of(block_G);
-  return position < 0 ? nullptr : &states_[static_cast<std::size_t>(position)];
+  if (position < 0) return nullptr;
+  std::unique_ptr<ColumnBlock>& states = states_[static_cast<std::size_t>(position)];
+  if (!states) states = std::make_unique<ColumnBlock>(field_->columns(static_cast<std::size_t>(position)));
+  return states.get();
 }
 
 void PlacedSubmap::add_free(const Index3& block, Columns* free) const {
@@ -164,27 +178,35 @@ bool PlacedSubmap::clears(const Vec3& p_W, double distance_m) const {
   return !field_->nearest(p, distance, CompressedField::Target::kSurfacePoint);
 }
 
+std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
+  if (viewpoints_W_.empty()) return std::nullopt;
+  double squared = std::numeric_limits<double>::infinity();
+  for (const Vec3& view : viewpoints_W_) squared = std::min(squared, (view - p_W).squaredNorm());
+  return std::sqrt(squared);
+}
+
 std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m) {
   const Pose T_W_G = T_W_S * submap.T_S_G();
   const double side_G = kBlockSide * submap.resolution_m();
   const double side_W = kBlockSide * resolution_m;
   std::vector<Index3> out;
   const auto field = submap.field();
+  // All blocks are turned alike: the box around the first one is that of any other, moved.
+  const geometry::Aabb unit = geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G);
+  const Vec3 low_corner = unit.min - T_W_G.translation();
+  const Vec3 high_corner = unit.max - T_W_G.translation();
   for (std::size_t i = 0; i < field->num_blocks(); ++i) {
     const Index3& block = field->block_index(i);
-    const geometry::Aabb box_G{Vec3(block.x, block.y, block.z) * side_G,
-                               Vec3(block.x + 1, block.y + 1, block.z + 1) * side_G};
-    const geometry::Aabb box = box_G.transformed(T_W_G);
-    const Index3 low = geometry::index_of(box.min, side_W);
-    const Index3 high = geometry::index_of(box.max, side_W);
+    const Vec3 origin = T_W_G * (Vec3(block.x, block.y, block.z) * side_G);
+    const Index3 low = floor_index((origin + low_corner) / side_W);
+    const Index3 high = floor_index((origin + high_corner) / side_W);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});
       }
     }
   }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+  sort_unique(&out);
   return out;
 }
 

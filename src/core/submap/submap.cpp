@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "voxnav/submap/surface_sampling.hpp"
+#include "voxnav/submap/thin_leaves.hpp"
 #include "voxnav/submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -104,6 +105,13 @@ const Submap::Surface& Submap::surface() const {
   return *surface_;
 }
 
+const std::vector<bool>& Submap::thin_leaves() const {
+  const auto content = field();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!thin_) thin_ = std::make_unique<std::vector<bool>>(find_thin(*content));
+  return *thin_;
+}
+
 bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return false;
@@ -179,7 +187,8 @@ std::size_t Submap::memory_bytes() const {
   const auto content = std::atomic_load(&field_);
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::size_t surface = surface_ ? surface_->points.capacity() * sizeof(geometry::SurfacePoint) : 0;
-  return sizeof(*this) + (content ? content->memory_bytes() : 0) + surface;
+  const std::size_t thin = thin_ ? thin_->capacity() / 8 : 0;
+  return sizeof(*this) + (content ? content->memory_bytes() : 0) + surface + thin;
 }
 
 }  // namespace voxnav::submap

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 #include <stdexcept>
 
-#include "voxnav/submap/voxel_walk.hpp"
+#include "voxnav/submap/block_marks.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -16,11 +15,6 @@ namespace {
 using geometry::Index3;
 using geometry::Pose;
 using geometry::Vec3;
-
-void sort_unique(std::vector<Index3>* blocks) {
-  std::sort(blocks->begin(), blocks->end());
-  blocks->erase(std::unique(blocks->begin(), blocks->end()), blocks->end());
-}
 
 /// How far the corners of a box move between two poses.
 double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
@@ -41,16 +35,44 @@ void check_pose(const Pose& T_W_S) {
     throw std::invalid_argument("T_W_S is farther than 1000 km");
 }
 
+/// The grid of W must be able to hold the submap, and hold it at a bearable cost.
+void check_extent(const Submap& submap, const Pose& T_W_S, double resolution_m) {
+  constexpr double kLastVoxel = 1 << 28;
+  constexpr double kMostRatio = 4.0;
+  const double ratio = submap.resolution_m() / resolution_m;
+  if (!(ratio <= kMostRatio && ratio >= 1.0 / kMostRatio))
+    throw std::invalid_argument("a submap has voxels more than 4 times larger or smaller than the map's");
+  const geometry::Aabb box = submap.known_bounds().transformed(T_W_S);
+  if (box.empty()) return;
+  const double farthest_m = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+  if (!(farthest_m / resolution_m < kLastVoxel))
+    throw std::invalid_argument("a submap reaches farther than the map can");
+}
+
+/// Where the sensor was, in W: a few places along the way.
+std::vector<Vec3> viewpoints(const std::vector<geometry::StampedPose>& T_S_B, const Pose& T_W_S) {
+  constexpr std::size_t kMost = 5;
+  std::vector<Vec3> out;
+  const std::size_t count = std::min(kMost, T_S_B.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = count == 1 ? 0 : i * (T_S_B.size() - 1) / (count - 1);
+    out.push_back(T_W_S * T_S_B[at].pose.translation());
+  }
+  return out;
+}
+
 }  // namespace
 
 SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
-    : config_(base::checked(config)), evidence_(config.resolution_m, config.clearing_distance_m) {}
+    : config_(base::checked(config)),
+      evidence_({config.resolution_m, config.clearing_distance_m, config.thin_range_m}) {}
 
 void SubmapCollection::add(SubmapEntry entry) {
   if (!entry.submap) throw std::invalid_argument("a submap entry needs a submap");
   check_pose(entry.T_W_S);
+  check_extent(*entry.submap, entry.T_W_S, config_.resolution_m);
   remove(entry.id);
-  const Key key(entry.end_ns, entry.id);
+  const Key key = key_of(entry);
   keys_[entry.id] = key;
   Record& record = records_[key];
   record.bytes = entry.submap->memory_bytes();
@@ -112,7 +134,7 @@ bool SubmapCollection::has_moved(const Record& r) const {
 /// Takes a submap out of the merge; its blocks have to be rebuilt.
 void SubmapCollection::forget(Record* r, std::vector<Index3>* stale) {
   if (!r->is_merged) return;
-  const Key key(r->entry.end_ns, r->entry.id);
+  const Key key = key_of(r->entry);
   for (const Index3& block : r->blocks) {
     const auto it = by_block_.find(block);
     it->second.erase(std::remove(it->second.begin(), it->second.end(), key), it->second.end());
@@ -137,7 +159,8 @@ void SubmapCollection::integrate(const std::map<Key, std::vector<Index3>>& work)
   for (const auto& [key, blocks] : work) {
     Record& r = records_.at(key);
     r.last_used = ++num_uses_;
-    const PlacedSubmap placed(*r.entry.submap, r.entry.id, r.merged_T_W_S, config_.resolution_m);
+    const PlacedSubmap placed(*r.entry.submap, r.entry.id, r.merged_T_W_S, config_.resolution_m,
+                              viewpoints(r.entry.T_S_B, r.merged_T_W_S));
     for (const Index3& block : blocks) evidence_.integrate(block, placed);
     page_out();
   }
@@ -205,100 +228,20 @@ std::vector<Index3> SubmapCollection::update() {
   return changed;
 }
 
-std::vector<geometry::Vec3f> SubmapCollection::occupied_points() {
-  update();
-  std::vector<Index3> order;
-  for (const auto& item : evidence_.blocks()) order.push_back(item.first);
-  std::sort(order.begin(), order.end());
-  std::vector<geometry::Vec3f> out;
-  for (const Index3& index : order) {
-    for (const EvidenceLeaf& leaf : evidence_.find(index)->leaves) {
-      out.push_back(evidence_.point_of(index, leaf).cast<float>());
-    }
-  }
-  return out;
-}
-
-containers::StateGrid SubmapCollection::obstacles(double safety_distance_m) {
-  update();
-  ObstacleMap obstacles(config_.resolution_m, safety_distance_m);
-  std::vector<Index3> all;
-  for (const auto& item : evidence_.blocks()) all.push_back(item.first);
-  obstacles.mark_changed(all);
-  obstacles.update(evidence_, std::numeric_limits<std::size_t>::max());
-  return obstacles.grid();
-}
-
-containers::State SubmapCollection::state(const Vec3& p_W) {
-  update();
-  return evidence_.state(p_W);
-}
-
-std::optional<double> SubmapCollection::distance(const Vec3& p_W, double max_distance_m) {
-  update();
-  if (evidence_.state(p_W) == containers::State::kUnknown) return std::nullopt;
-  return evidence_.distance_to_surface(p_W, max_distance_m).value_or(max_distance_m);
-}
-
-std::optional<Vec3> SubmapCollection::gradient(const Vec3& p_W, double max_distance_m) {
-  update();
-  if (evidence_.state(p_W) == containers::State::kUnknown) return std::nullopt;
-  const auto nearest = evidence_.nearest_surface(p_W, max_distance_m);
-  if (!nearest || nearest->distance_m == 0.0) return Vec3(Vec3::Zero());
-  return Vec3((p_W - nearest->point_W) / nearest->distance_m);
-}
-
-SubmapCollection::Ray SubmapCollection::cast_ray(const Vec3& a_W, const Vec3& b_W) {
-  constexpr double kLongest_m = 1e4;
-  if (!a_W.allFinite() || !b_W.allFinite() || !((b_W - a_W).norm() < kLongest_m) || a_W.cwiseAbs().maxCoeff() > 1e7)
-    throw std::invalid_argument("a ray needs finite ends less than 10 km apart");
-  update();
-  Ray out;
-  const double length_m = (b_W - a_W).norm();
-  VoxelWalk walk(a_W / config_.resolution_m, b_W / config_.resolution_m);
-  Index3 at{1 << 30, 0, 0};
-  const EvidenceBlock* block = nullptr;
-  for (int axis = 0; axis >= 0; axis = walk.advance()) {
-    const Index3 voxel = walk.index();
-    if (geometry::block_of(voxel) != at) {
-      at = geometry::block_of(voxel);
-      block = evidence_.find(at);
-    }
-    out.state = block ? block->states.get(geometry::offset_in_block(voxel)) : containers::State::kUnknown;
-    out.distance_m = walk.entered() * length_m;
-    if (out.state != containers::State::kFree) return out;
-  }
-  out.distance_m = length_m;
-  return out;
-}
-
-std::vector<SceneChange> SubmapCollection::changes(std::size_t min_voxels) {
-  update();
-  return scene_changes(evidence_, min_voxels);
-}
-
 std::uint32_t SubmapCollection::merge(const SubmapCollection& other, const Pose& T_W_other) {
   check_pose(T_W_other);
   if (other.config_.resolution_m != config_.resolution_m)
     throw std::invalid_argument("the other map has voxels of another size");
   const std::uint32_t shift = keys_.empty() ? 0 : keys_.rbegin()->first + 1;
+  const std::uint32_t first_flight = newest() ? newest()->flight + 1 : 0;
   for (const SubmapEntry* entry : other.entries()) {
     SubmapEntry moved = *entry;
     moved.id += shift;
+    moved.flight += first_flight;
     moved.T_W_S = T_W_other * entry->T_W_S;
     add(std::move(moved));
   }
   return shift;
-}
-
-std::size_t SubmapCollection::memory_bytes() const {
-  std::size_t bytes = sizeof(*this) + evidence_.memory_bytes();
-  for (const auto& item : records_) {
-    bytes += sizeof(item) + item.second.entry.submap->memory_bytes() + item.second.blocks.capacity() * sizeof(Index3) +
-             item.second.entry.T_S_B.capacity() * sizeof(geometry::StampedPose);
-  }
-  for (const auto& item : by_block_) bytes += sizeof(item) + item.second.capacity() * sizeof(Key);
-  return bytes;
 }
 
 }  // namespace voxnav::submap

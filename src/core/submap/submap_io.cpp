@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x4D535856;  // "VXSM"
 constexpr std::uint32_t kVersion = 2;
+constexpr double kFinest_m = 1e-3;
+constexpr double kCoarsest_m = 1e3;
+constexpr double kFarthest_m = 1e7;  // of the grid from the submap frame
 
 }  // namespace
 
@@ -46,7 +49,7 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
   std::shared_ptr<Submap> out(new Submap());
   out->resolution_m_ = in.get<double>();
-  if (!(out->resolution_m_ > 0.0) || !std::isfinite(out->resolution_m_)) in.fail("has no positive resolution");
+  if (!(out->resolution_m_ >= kFinest_m && out->resolution_m_ <= kCoarsest_m)) in.fail("has no usable resolution");
   out->config_.band_voxels = in.get<double>();
   out->config_.max_distance_m = in.get<double>();
   out->config_.max_surface_points = in.get<std::int32_t>();
@@ -55,6 +58,7 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   in.get_raw(out->T_S_G_.matrix().data(), 16 * sizeof(double));
   const Eigen::RowVector4d last_row(0, 0, 0, 1);
   if (!geometry::is_valid(out->T_S_G_) || out->T_S_G_.matrix().row(3) != last_row) in.fail("has no valid transform");
+  if (out->T_S_G_.translation().cwiseAbs().maxCoeff() > kFarthest_m) in.fail("has a grid that lies too far away");
   out->T_G_S_ = out->T_S_G_.inverse(Eigen::Isometry);
   CompressedField field = CompressedField::read(&in);
   auto surface = std::make_unique<Surface>();

@@ -206,3 +206,88 @@ TEST(SubmapCollection, BrokenFilesAreRefusedWithAReasonAndTheRestIsRecovered) {
   EXPECT_THROW(SubmapCollection::load(directory, &problems), std::invalid_argument);
   EXPECT_THROW(SubmapCollection::load(directory + "_absent"), std::runtime_error);
 }
+
+namespace {
+
+/// A wire along y at z = 2 in free space, or the same space without it; seen from `view`.
+SubmapEntry wire_entry(std::uint32_t id, bool with_wire, const Vec3& view, const Pose& T_W_S = Pose::Identity()) {
+  test::ContentBuilder builder(kVoxel);
+  for (int i = 0; i < 20 * 30 * 10; ++i) builder.set_free({i % 20 - 10, i / 20 % 30 - 15, i / 600});
+  for (int y = -15; with_wire && y < 15; ++y) builder.set_occupied({0, y, 5}, Vec3(0.1, 0, -0.2));
+  SubmapEntry entry;
+  entry.id = id;
+  entry.end_ns = id;
+  entry.T_W_S = T_W_S;
+  entry.T_S_B = {{0, geometry::from_position_yaw(view, 0.0)}};
+  entry.submap = Submap::from_content(builder.build(), Pose::Identity(), {});
+  return entry;
+}
+
+std::size_t points_left(const std::vector<SubmapEntry>& entries) {
+  SubmapCollection collection({});
+  for (const SubmapEntry& entry : entries) collection.add(entry);
+  return collection.occupied_points().size();
+}
+
+}  // namespace
+
+TEST(SubmapCollection, AWireThatWasMissedFromAfarStays) {
+  EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), wire_entry(2, false, {16, 0, 2})}), 30u);
+}
+
+TEST(SubmapCollection, AWireThatIsGoneFromNearIsGone) {
+  EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), wire_entry(2, false, {0.2, 0, 1})}), 0u);
+  // From as far as it had been seen; and where nobody knows from where.
+  EXPECT_EQ(points_left({wire_entry(1, true, {20, 0, 2}), wire_entry(2, false, {19, 0, 2})}), 0u);
+  SubmapEntry unknown = wire_entry(2, false, {16, 0, 2});
+  unknown.T_S_B.clear();
+  EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), unknown}), 0u);
+}
+
+TEST(SubmapCollection, ABoxThatIsGoneIsGoneFromAfarToo) {
+  SubmapEntry before = entry_of(1, scene(true));
+  SubmapEntry after = entry_of(2, scene(false));
+  before.T_S_B = {{0, geometry::from_position_yaw({6, 0, 2}, 0.0)}};
+  after.T_S_B = {{0, geometry::from_position_yaw({-30, 0, 2}, 0.0)}};
+  SubmapCollection collection({});
+  collection.add(before);
+  collection.add(after);
+  EXPECT_EQ(count_vehicle(collection.occupied_points(), geometry::from_position_yaw({0.13, -0.3, 0.1}, 0.4)), 0u);
+}
+
+TEST(SubmapCollection, MovedSubmapsSayWhatTheySayWhenAddedThere) {
+  SubmapCollection moved({});
+  std::vector<SubmapEntry> entries;
+  for (std::uint32_t id = 1; id <= 6; ++id) {
+    entries.push_back(entry_of(id, scene(id % 2 == 1), geometry::from_position_yaw({0.3 * id, 0.2, 0.0}, 0.1 * id)));
+    moved.add(entries.back());
+    moved.update();
+  }
+  SubmapCollection fresh({});
+  for (SubmapEntry& entry : entries) {
+    entry.T_W_S = geometry::from_position_yaw({-0.2 * entry.id, 0.9, 0.1}, 0.03 * entry.id);
+    moved.set_pose(entry.id, entry.T_W_S);
+    fresh.add(entry);
+  }
+  moved.update();
+  fresh.update();
+  ASSERT_EQ(moved.evidence().blocks().size(), fresh.evidence().blocks().size());
+  for (const auto& [index, block] : fresh.evidence().blocks()) {
+    const auto* other = moved.evidence().find(index);
+    ASSERT_NE(other, nullptr);
+    ASSERT_EQ(other->states.free, block.states.free);
+    ASSERT_EQ(other->states.occupied, block.states.occupied);
+    ASSERT_EQ(other->leaves.size(), block.leaves.size());
+    ASSERT_EQ(other->gone.size(), block.gone.size());
+  }
+}
+
+TEST(SubmapCollection, RefusesSubmapsThatTheGridCannotHold) {
+  SubmapCollection collection({});
+  SubmapEntry far = entry_of(1, scene(false), geometry::from_position_yaw({9e5, 0, 0}, 0.0));
+  EXPECT_NO_THROW(collection.add(far));
+  test::ContentBuilder coarse(4.0);
+  coarse.set_free({0, 0, 0});
+  far.submap = Submap::from_content(coarse.build(), Pose::Identity(), {});
+  EXPECT_THROW(collection.add(far), std::invalid_argument);
+}

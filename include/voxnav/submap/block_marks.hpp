@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "voxnav/geometry/voxel.hpp"
+
+namespace voxnav::submap {
+
+/// A set of blocks as one bit for each block of the box around them: adding costs a few instructions, and what comes
+/// out is in order without sorting.
+class BlockMarks {
+ public:
+  /// @param low, high  all blocks that may be marked, inclusive
+  BlockMarks(const geometry::Index3& low, const geometry::Index3& high);
+  /// Whether a box is small enough to be kept like this.
+  static bool fits(const geometry::Index3& low, const geometry::Index3& high);
+
+  void mark(const geometry::Index3& block) {
+    const std::size_t bit = at(block);
+    words_[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+  }
+  bool is_marked(const geometry::Index3& block) const {
+    const std::size_t bit = at(block);
+    return (words_[bit >> 6] >> (bit & 63)) & 1;
+  }
+  /// In the order of geometry::Index3.
+  std::vector<geometry::Index3> sorted() const;
+
+ private:
+  std::size_t at(const geometry::Index3& block) const {
+    const geometry::Index3 i = block - low_;
+    return static_cast<std::size_t>(i.x) + size_x_ * (static_cast<std::size_t>(i.y) + size_y_ * i.z);
+  }
+
+  geometry::Index3 low_;
+  std::size_t size_x_, size_y_;
+  std::vector<std::uint64_t> words_;
+};
+
+/// Sorts blocks and drops repeats; without comparisons where they lie close enough together.
+void sort_unique(std::vector<geometry::Index3>* blocks);
+
+/// Adds all blocks up to `reach` blocks away on every axis; sorted, without repeats.
+void dilate(int reach, std::vector<geometry::Index3>* blocks);
+
+}  // namespace voxnav::submap

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <set>
+#include <string>
+
+/// Files of a saved map. All throw std::runtime_error naming file and reason.
+namespace voxnav::submap {
+
+std::string read_file(const std::string& path);
+/// The file holds the old bytes or the new ones, never a part, whatever interrupts the call.
+void write_atomically(const std::string& path, const std::string& bytes);
+/// With all directories above it.
+void make_directory(const std::string& path);
+/// What was renamed in it stays renamed after a loss of power.
+void sync_directory(const std::string& directory);
+/// Submap files that are not in the list.
+void remove_unlisted(const std::string& directory, const std::set<std::string>& listed);
+
+}  // namespace voxnav::submap

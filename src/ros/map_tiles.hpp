@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <visualization_msgs/Marker.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "voxnav/submap/evidence_map.hpp"
+
+namespace voxnav_ros {
+
+/// A square of 2 x 2 blocks and all heights: the piece in which markers are drawn, sent and replaced.
+using Tile = std::pair<std::int32_t, std::int32_t>;
+Tile tile_of(const voxnav::geometry::Index3& block);
+
+/// Which known blocks lie in each tile.
+class MapTiles {
+ public:
+  /// Follows blocks that changed, came or went.
+  void follow(const voxnav::submap::EvidenceMap& evidence, const std::vector<voxnav::geometry::Index3>& changed);
+  /// Sorted; empty when nothing is known there.
+  const std::set<voxnav::geometry::Index3>& blocks_of(const Tile& tile) const;
+  const std::map<Tile, std::set<voxnav::geometry::Index3>>& all() const { return tiles_; }
+
+ private:
+  std::map<Tile, std::set<voxnav::geometry::Index3>> tiles_;
+};
+
+/// A picture of the map in one marker per tile. Only tiles that look different from what was sent are sent again; after
+/// restart() all are. Not thread-safe.
+class TiledMarkers {
+ public:
+  using Marker = visualization_msgs::Marker;
+  /// Fills points and colours of one tile; an empty one is deleted where it was shown.
+  using Draw = std::function<void(const std::vector<voxnav::geometry::Index3>& blocks, Marker* marker)>;
+
+  /// @param blank  what all markers have in common
+  TiledMarkers(const Marker& blank, Draw draw) : blank_(blank), draw_(std::move(draw)) {}
+
+  void mark(const Tile& tile) { due_.insert(tile); }
+  /// As for somebody who has seen nothing: all tiles are due, and the next marker deletes what was shown.
+  void restart(const MapTiles& tiles);
+  void forget();
+  bool is_due() const { return !due_.empty(); }
+  /// The next markers, at most `max_markers`, and at most `max_points` points together: every n-th point of a tile
+  /// that has more. Looks at tiles until one of the limits is reached or nothing is due.
+  std::vector<Marker> next(const MapTiles& tiles, const std_msgs::Header& header, std::size_t max_points,
+                           std::size_t max_markers);
+
+ private:
+  struct Shown {
+    std::int32_t id = 0;
+    std::uint64_t sum = 0;  ///< of what was sent; 0 = nothing is shown
+  };
+  Marker blank_;
+  Draw draw_;
+  bool is_restarting_ = false;
+  std::set<Tile> due_;
+  std::map<Tile, Shown> shown_;
+  std::int32_t next_id_ = 1;
+};
+
+}  // namespace voxnav_ros

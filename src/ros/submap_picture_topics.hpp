@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/node_handle.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "map_tiles.hpp"
+#include "submap_integrator_config.hpp"
+#include "submap_integrator_map.hpp"
+
+namespace voxnav_ros {
+
+/// A topic that knows when somebody new listens.
+class PictureTopic {
+ public:
+  template <class Msg>
+  void advertise(ros::NodeHandle* nh, const std::string& name) {
+    constexpr std::uint32_t kQueue = 100;
+    publisher_ = nh->advertise<Msg>(name, kQueue, [this](const ros::SingleSubscriberPublisher&) { has_new_ = true; });
+  }
+  bool is_heard() const { return publisher_.getNumSubscribers() > 0; }
+  /// Whether somebody came since the last call.
+  bool take_new() { return has_new_.exchange(false); }
+  template <class Msg>
+  void publish(const Msg& message) const {
+    publisher_.publish(message);
+  }
+
+ private:
+  std::atomic<bool> has_new_{false};
+  ros::Publisher publisher_;
+};
+
+/// What people see of the map. Nothing is drawn unless somebody listens; who comes late gets all of it. Markers are
+/// sent a bounded piece per turn, only where they changed, so that neither the obstacles nor a slow link wait for them.
+class SubmapPictures {
+ public:
+  explicit SubmapPictures(const SubmapIntegratorConfig& config);
+  void advertise(ros::NodeHandle* nh);
+
+  /// The map is another one in these blocks.
+  void mark(const MergedMap& map, const std::vector<voxnav::geometry::Index3>& changed);
+  /// Sends the next piece of everything that is due. @return whether anything was
+  bool turn(const MergedMap& map, const std_msgs::Header& header);
+
+ private:
+  /// Markers and the topic they go to.
+  struct Tiled {
+    PictureTopic topic;
+    std::unique_ptr<TiledMarkers> markers;
+  };
+  /// A picture that is sent as a whole.
+  struct Whole {
+    PictureTopic topic;
+    bool is_due = true;
+    bool take_due();
+  };
+  bool prepare(Tiled* tiled);
+  bool send_array(const std_msgs::Header& header, Tiled* tiled);
+  bool send_mesh(const std_msgs::Header& header);
+  bool send_changes(const MergedMap& map, const std_msgs::Header& header);
+  sensor_msgs::PointCloud2 slice_of(const MergedMap& map, const std_msgs::Header& header) const;
+
+  SubmapIntegratorConfig config_;
+  std::string frame_id_;
+  const voxnav::submap::EvidenceMap* evidence_ = nullptr;  ///< of this turn
+  MapTiles tiles_;
+  Tiled occupancy_, submaps_, mesh_;
+  Whole obstacle_cloud_, slice_, changes_, change_boxes_;
+};
+
+}  // namespace voxnav_ros
