@@ -20,7 +20,7 @@ catkin_package(
 
 set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
 
-set(voxnav_programs planning_manager submap_optimizer map_bag evaluate_alignment)
+set(voxnav_programs planning_manager submap_optimizer map_bag evaluate_alignment merge_maps)
 foreach(program ${voxnav_programs})
   if(EXISTS ${PROJECT_SOURCE_DIR}/scripts/${program})
     catkin_install_python(PROGRAMS scripts/${program} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
