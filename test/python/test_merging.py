@@ -50,15 +50,6 @@ def test_the_second_map_is_moved(maps):
     np.testing.assert_allclose(poses[2], pose_from((100, 0, 0, 0.5)), atol=1e-12)
 
 
-def test_a_guess_is_aligned(maps):
-    guess = (0.9, -0.6, 0.3, 0.02)
-    assert main(list(maps) + ["--align", "--pose"] + [str(v) for v in guess]) == 0
-    poses = voxnav.SubmapCollection.load(maps[2]).poses()
-    error = np.linalg.inv(poses[0]) @ poses[2]
-    assert np.linalg.norm(error[:3, 3]) < 0.2
-    assert np.linalg.norm(error[:3, 3]) < 0.3 * np.linalg.norm(guess[:3])
-
-
 def test_what_cannot_be_read_is_said(maps, capsys):
     assert main([maps[0], maps[1] + "_absent", maps[2]]) == 1
     assert "_absent/index.vxi" in capsys.readouterr().err

@@ -166,22 +166,25 @@ class SubmapIntegratorTest(unittest.TestCase):
         self.assertGreater(len(scene.markers), 1)
         self.assertGreater(len(scene.colors), 3)  # by height
         self.assertIsNotNone(self.cloud.wait_for(lambda m: m.width > 1000))
-        self.assertIsNotNone(self.mesh.wait_for_scene(lambda s: len(s.points) > 3000))
+        self.assertIsNotNone(self.mesh.wait_for_scene(lambda s: len(s.points) > 1000))
         self.assertIsNotNone(self.slice.wait_for(lambda m: m.width > 500))
         self.assertTrue(all(len(x.points) <= 1200 for m in self.markers.messages for x in m.markers))
 
     def test_2b_who_comes_late_sees_it_too(self):
         node, expected = "submap_integrator/", content().num_occupied
-        markers = Received(node + "occupancy_markers_out", MarkerArray)
+        # A node has one connection per topic: only who has left it can come anew.
+        for old in (self.markers, self.mesh, self.cloud, self.slice):
+            old.subscriber.unregister()
+        markers = self.__class__.markers = Received(node + "occupancy_markers_out", MarkerArray)
         submaps = Received(node + "submap_markers_out", MarkerArray)
-        mesh = Received(node + "mesh_out", Marker)
-        cloud = Received(node + "obstacle_cloud_out", PointCloud2)
-        late_slice = Received(node + "slice_out", PointCloud2)
+        mesh = self.__class__.mesh = Received(node + "mesh_out", Marker)
+        cloud = self.__class__.cloud = Received(node + "obstacle_cloud_out", PointCloud2)
+        late_slice = self.__class__.slice = Received(node + "slice_out", PointCloud2)
         self.assertIsNotNone(markers.wait_for_scene(lambda s: len(s.points) == expected))
         scene = submaps.wait_for_scene(lambda s: len(s.points) == expected)
         self.assertIsNotNone(scene)
         self.assertEqual(len(scene.colors), 1)
-        self.assertIsNotNone(mesh.wait_for_scene(lambda s: len(s.points) > 3000))
+        self.assertIsNotNone(mesh.wait_for_scene(lambda s: len(s.points) > 1000))
         self.assertIsNotNone(cloud.wait_for(lambda m: m.width > 1000))
         self.assertIsNotNone(late_slice.wait_for(lambda m: m.width > 500))
 
@@ -260,19 +263,17 @@ class SubmapIntegratorTest(unittest.TestCase):
         self.assertTrue(response.success, response.message)
         self.assertIn("1 of 2 submaps are intact", response.message)
         self.assertEqual([m.submap_id for m in self.get_submaps().submaps], [1])
-        self.handover.publish(handover(1, content().to_bytes(), stamp=5.0))
-        self.assertIsNotNone(self.submaps.wait_for(lambda m: m.submap_id == 3 and m.header.stamp.to_sec() == 5.0))
+        self.handover.publish(handover(1, content().to_bytes(), stamp=15.0))
+        self.assertIsNotNone(self.submaps.wait_for(lambda m: m.submap_id == 3 and m.header.stamp.to_sec() == 15.0))
         self.assertEqual([m.submap_id for m in self.get_submaps().submaps], [1, 3])
 
     def test_9_another_flight_is_merged_and_exported(self):
         directory = tempfile.mkdtemp()
-        flight = voxnav.SubmapCollection()
-        flight.add(1, voxnav.Submap.from_content(content(), np.eye(4)), np.eye(4))
-        flight.save(os.path.join(directory, "other"))
+        self.assertTrue(self.save(os.path.join(directory, "other")).success)
         before = len(self.get_submaps().submaps)
         response = self.merge(os.path.join(directory, "other") + " 300 0 0 0.5")
         self.assertTrue(response.success, response.message)
-        self.assertEqual(len(self.get_submaps().submaps), before + 1)
+        self.assertEqual(len(self.get_submaps().submaps), 2 * before)
         scene = self.markers.wait_for_scene(lambda s: len(s.points) > 0 and s.points[:, 0].max() > 295.0)
         self.assertIsNotNone(scene)
         self.assertFalse(self.merge(os.path.join(directory, "other") + " 1 2").success)
