@@ -71,6 +71,15 @@ py::object nearest_occupied(const LocalMap& map, const py::object& point, double
   return py::make_tuple(py::make_tuple(p.x(), p.y(), p.z()), found->distance_m);
 }
 
+py::tuple update_tuple(containers::GridUpdate&& update) {
+  const auto count = static_cast<py::ssize_t>(update.block_indices.size() / 3);
+  const auto bytes = static_cast<py::ssize_t>(containers::GridUpdate::kBytesPerBlock);
+  py::array_t<std::uint8_t> states({count, bytes});
+  std::copy(update.states.begin(), update.states.end(), states.mutable_data());
+  return py::make_tuple(update.is_snapshot, array_from(std::move(update.block_indices), 3), states,
+                        array_from(std::move(update.removed_block_indices), 3));
+}
+
 void bind_statistics(py::module_& m) {
   py::class_<TimedStatistics>(m, "InsertStatistics",
                               "What one insertion into a LocalMap did; counts, and wall seconds.")
@@ -155,6 +164,21 @@ void bind_outputs(py::class_<LocalMap>& cls) {
       .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))
       .def("save", &LocalMap::save, py::arg("path"))
       .def_static("load", &LocalMap::load, py::arg("path"))
+      .def_static(
+          "load_octomap",
+          [](const std::string& path, const LocalMapConfig& config, const py::object& center) {
+            return occupancy::load_octomap(path, config, vec3_of(center, "center_W"));
+          },
+          py::arg("path"), py::arg("config") = LocalMapConfig{}, py::arg("center_W") = py::make_tuple(0.0, 0.0, 0.0),
+          "A map of an OctoMap file (.ot, .bt) at the file's resolution, with its window around center_W.")
+      .def(
+          "changes_since",
+          [](const LocalMap& m, std::uint64_t sequence) { return update_tuple(m.changes_since(sequence)); },
+          py::arg("sequence"),
+          "(is_snapshot, block indices (k, 3) int32, states (k, 1024) uint8, removed block indices (r, 3) int32) of "
+          "the\n"
+          "blocks that changed after the map had this sequence; 0 gives everything.")
+      .def_property_readonly("sequence", &LocalMap::sequence, "Rises with every call that may change the map.")
       .def(
           "save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
           py::arg("path"), "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).");

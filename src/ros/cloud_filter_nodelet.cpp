@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <std_srvs/Trigger.h>
+
 #include <pluginlib/class_list_macros.hpp>
 
 #include "voxnav/cloud/cloud_filter.hpp"
@@ -34,6 +36,7 @@ class CloudFilterNodelet : public NodeletBase {
     ParamLoader params(getPrivateNodeHandle());
     params.section("filter", &config);
     params.section("open_beams", &open_beams);
+    params.section("body_mask", &body_mask_);
     params.finish();
     open_beams_finder_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
     filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
@@ -42,6 +45,7 @@ class CloudFilterNodelet : public NodeletBase {
     rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
     far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
     open_beams_ = nh.advertise<sensor_msgs::PointCloud2>("open_beams_out", 5);
+    learn_body_ = nh.advertiseService("learn_body_in", &CloudFilterNodelet::on_learn_body, this);
     topic_ = nh.resolveName("cloud_in");
   }
 
@@ -59,6 +63,7 @@ class CloudFilterNodelet : public NodeletBase {
         const auto timer = diagnostics().time("filter");
         filter_->apply(view, &result_);
       }
+      learn_body(view);
       publish(*msg, view);
       report();
     } catch (const std::exception& error) {
@@ -66,6 +71,27 @@ class CloudFilterNodelet : public NodeletBase {
     }
     diagnostics().add_latency("filter", msg->header.stamp);
     publish_progress(msg->header.stamp);
+  }
+
+  /// To be called while the UAV stands on the ground with nothing but itself near. Clouds and services come through the
+  /// same single-threaded queue.
+  bool on_learn_body(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    learner_ = std::make_unique<voxnav::cloud::BodyMaskLearner>(body_mask_);
+    response.success = true;
+    response.message = "learning from the next " + std::to_string(body_mask_.num_clouds) + " clouds";
+    return true;
+  }
+
+  void learn_body(const voxnav::cloud::RawCloudView& view) {
+    if (!learner_) return;
+    learner_->add(view);
+    if (!learner_->is_done()) return;
+    voxnav::cloud::BodyMask mask = learner_->finish();
+    learner_.reset();
+    diagnostics().set_counter("body_mask_directions", static_cast<double>(mask.num_covered()));
+    NODELET_INFO_STREAM("[" << node() << "]: body mask learnt: " << mask.num_covered() << " directions, up to "
+                            << mask.farthest_m() << " m");
+    filter_->set_body_mask(std::move(mask));
   }
 
   void publish(const sensor_msgs::PointCloud2& msg, const voxnav::cloud::RawCloudView& view) {
@@ -127,6 +153,8 @@ class CloudFilterNodelet : public NodeletBase {
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
   std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_finder_;
+  voxnav::cloud::BodyMaskConfig body_mask_;
+  std::unique_ptr<voxnav::cloud::BodyMaskLearner> learner_;  ///< while learning
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;
   std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
@@ -134,6 +162,7 @@ class CloudFilterNodelet : public NodeletBase {
   std::string topic_;
   ros::Publisher points_, rejected_, far_, open_beams_;
   ros::Subscriber cloud_;
+  ros::ServiceServer learn_body_;
 };
 
 }  // namespace voxnav_ros

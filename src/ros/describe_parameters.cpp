@@ -9,10 +9,12 @@
 #include "lidar_odometry_config.hpp"
 #include "local_mapper_config.hpp"
 #include "submap_integrator_config.hpp"
+#include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
+#include "voxnav/pipeline/load_control.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -80,12 +82,13 @@ int main() {
   namespace ros_ = voxnav_ros;
   std::cout << "{";
   print("cloud_filter",
-        {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::OpenBeamsConfig>("open_beams")});
+        {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::OpenBeamsConfig>("open_beams"),
+         section<voxnav::cloud::BodyMaskConfig>("body_mask")});
   print("lidar_odometry",
         {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",
         {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
-         section<ros_::LocalMapperConfig>("node")});
+         section<voxnav::pipeline::LoadControlConfig>("load"), section<ros_::LocalMapperConfig>("node")});
 #ifdef VOXNAV_HAS_SIMULATION
   namespace simulation = voxnav_simulation;
   print("lidar_simulator",

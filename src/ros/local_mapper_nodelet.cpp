@@ -12,6 +12,7 @@
 #include "pending_scans.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryQuality.h"
+#include "voxnav/pipeline/load_control.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
@@ -49,12 +50,15 @@ class LocalMapperNodelet : public NodeletBase {
   void initialize() override {
     occupancy::LocalMapConfig map;
     pipeline::SubmapSchedulerConfig submap;
+    pipeline::LoadControlConfig load;
     ParamLoader params(getPrivateNodeHandle());
     params.section("map", &map);
     params.section("submap", &submap);
+    params.section("load", &load);
     params.section("node", &config_);
     params.finish();
     map_ = std::make_unique<occupancy::LocalMap>(map);
+    load_ = std::make_unique<pipeline::LoadControl>(load);
     scheduler_ = std::make_unique<pipeline::SubmapScheduler>(submap, std::nullopt);
     scans_ = std::make_unique<PendingScans>(config_.odometry_frame, config_.body_frame, config_.tf_timeout_s,
                                             config_.max_pending_scans, config_.use_deskew);
@@ -137,7 +141,9 @@ class LocalMapperNodelet : public NodeletBase {
 
   void insert(LocatedScan* scan) {
     const ros::Time& stamp = scan->msg->header.stamp;
+    const ros::SteadyTime start = ros::SteadyTime::now();
     watch_jump(scan->T_O_B);
+    thin_out(&scan->points);
     {
       const auto timer = diagnostics().time("insert");
       ScanPoints& points = scan->points;
@@ -154,7 +160,26 @@ class LocalMapperNodelet : public NodeletBase {
       hand_over(scheduler_->add_scan(map_.get(), to_ns(stamp), scan->T_O_B));
     }
     publish_pictures(stamp);
+    watch_load((ros::SteadyTime::now() - start).toSec(), stamp);
     publish_progress(stamp);
+  }
+
+  /// First scans get coarser, and only then are some dropped (max_pending_scans); both are reported.
+  void thin_out(ScanPoints* points) {
+    if (load_->decimation() == 1) return;
+    load_->thin_out(3, &points->xyz);
+    load_->thin_out(1, &points->time_offsets_ns);
+  }
+
+  /// In lock-step time waits for the map: nothing is late, and flights must not depend on the machine.
+  void watch_load(double work_s, const ros::Time& stamp) {
+    if (!config_.lockstep_consumers.empty()) return;
+    if (!last_inserted_.isZero()) load_->add(work_s, (stamp - last_inserted_).toSec());
+    last_inserted_ = stamp;
+    diagnostics().set_counter("decimation", load_->decimation());
+    if (load_->decimation() > 1) {
+      warn("overloaded: every " + std::to_string(load_->decimation()) + "th point of a scan is used");
+    }
   }
 
   void report(const occupancy::InsertStatistics& s) {
@@ -307,13 +332,14 @@ class LocalMapperNodelet : public NodeletBase {
   LocalMapperConfig config_;
   std::unique_ptr<occupancy::LocalMap> map_;
   std::unique_ptr<pipeline::SubmapScheduler> scheduler_;
+  std::unique_ptr<pipeline::LoadControl> load_;
   std::unique_ptr<PendingScans> scans_;
   std::optional<voxnav::geometry::Vec3> last_body_;
   std::optional<std::uint32_t> estimator_iteration_;
   std::uint32_t sequence_ = 0;
   std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0;
   ros::SteadyTime warned_;
-  ros::Time newest_stamp_, last_snapshot_, last_occupied_, last_octomap_;
+  ros::Time last_inserted_, newest_stamp_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber points_, open_beams_, quality_, uav_state_;

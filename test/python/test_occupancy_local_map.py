@@ -82,3 +82,18 @@ def test_content_survives_its_byte_form():
 def test_memory_stays_below_the_bound():
     m, _ = wall_map()
     assert 0 < m.memory_bytes < 10e6
+
+
+def test_changes_and_octomap_import(tmp_path):
+    m, _ = wall_map()
+    is_snapshot, blocks, states, removed = m.changes_since(0)
+    assert is_snapshot and blocks.shape == (len(states), 3) and states.shape[1] == 1024 and len(removed) == 0
+    before = m.sequence
+    m.insert(np.zeros((0, 3), np.float32), pose())
+    is_snapshot, blocks, _, _ = m.changes_since(before)
+    assert not is_snapshot and len(blocks) == 0 and m.sequence > before
+    m.save_octomap(str(tmp_path / "map.ot"))
+    read = voxnav.LocalMap.load_octomap(str(tmp_path / "map.ot"), m.config, (0.2, 0.2, 0.2))
+    assert (read.states(m.occupied_centers()) == 2).all() and (read.states(m.free_centers()) == 1).all()
+    with pytest.raises(RuntimeError):
+        voxnav.LocalMap.load_octomap(str(tmp_path / "none.bt"))

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
 #include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/cloud/point.hpp"
@@ -51,6 +52,9 @@ class CloudFilter {
 
   const CloudFilterConfig& config() const { return config_; }
 
+  /// Returns that the mask covers count as body, beside those of the configured sphere and box.
+  void set_body_mask(BodyMask mask);
+
   /// Filters one cloud; `result` is overwritten, its memory reused. O(points).
   void apply(const RawCloudView& cloud, FilterResult* result);
   FilterResult apply(const RawCloudView& cloud);
@@ -79,6 +83,8 @@ class CloudFilter {
 
   CloudFilterConfig config_;
   Limits limits_;
+  BodyMask body_mask_;
+  bool has_body_mask_ = false;
   std::uint32_t row_step_ = 1, column_step_ = 1;    // of the present cloud
   std::uint32_t first_row_ = 0, first_column_ = 0;  // decimation phase
   std::uint64_t num_clouds_ = 0;

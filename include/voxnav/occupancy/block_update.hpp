@@ -22,6 +22,7 @@ struct BlockUpdate {
   std::size_t missed = 0;
   std::size_t became_free = 0;
   std::size_t became_occupied = 0;
+  bool any_state_changed = false;
 
   BlockUpdate& operator+=(const BlockUpdate& other) {
     missed += other.missed;

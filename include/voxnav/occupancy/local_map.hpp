@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -66,6 +65,15 @@ class LocalMap {
                           std::size_t m, const geometry::Pose& T_W_L);
   /// Voxels whose centre lies within `radius_m` become free unless they are occupied: the vehicle stands there.
   std::size_t mark_free(const geometry::Vec3& center, double radius_m);
+  /// Sets voxels to log-odds from elsewhere, for example another map; those outside the window are left out. Nothing is
+  /// known of hit points inside them. Returns how many were set.
+  struct VoxelLogOdds {
+    geometry::Vec3 point;
+    double log_odds;
+  };
+  std::size_t assign(const std::vector<VoxelLogOdds>& voxels);
+  /// Puts the window around a place where the map is still empty.
+  void place_window(const geometry::Vec3& center) { window_.recenter(center); }
   /// Everything becomes unknown; nothing is handed out.
   void clear();
   /// @throws base::ConfigError unless free < occupied and both are probabilities
@@ -94,6 +102,12 @@ class LocalMap {
   /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were
   /// given up.
   containers::GridUpdate take_changes();
+  /// Rises with every call that may change the map.
+  std::uint64_t sequence() const { return sequence_; }
+  /// Blocks whose states changed after the map had the given sequence; a snapshot for 0, for a sequence this map never
+  /// had, and where changes that old were given up. Any number of readers may keep a sequence each, so that none of
+  /// them is ever sent what it has.
+  containers::GridUpdate changes_since(std::uint64_t sequence) const;
   containers::GridUpdate snapshot() const;
 
   std::string to_bytes() const;
@@ -124,6 +138,8 @@ class LocalMap {
   bool is_crossed(std::uint32_t block) const;
   BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
   void note_removed(const geometry::Index3& block);
+  containers::GridUpdate changes_after(std::uint64_t sequence) const;
+  void refresh(int slot);
 
   LocalMapConfig config_;
   LogOddsScale scale_;
@@ -138,8 +154,10 @@ class LocalMap {
   std::unique_ptr<base::WorkerPool> workers_;
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;
-  std::set<geometry::Index3> removed_;
-  bool changes_lost_ = false;
+  std::map<geometry::Index3, std::uint64_t> removed_;  ///< with the sequence at which a block left
+  std::uint64_t sequence_ = 0;
+  std::uint64_t taken_at_ = 0;
+  std::uint64_t complete_since_ = 0;  ///< removals before it were given up
 };
 
 }  // namespace voxnav::occupancy

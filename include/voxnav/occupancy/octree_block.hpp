@@ -24,7 +24,7 @@ class OctreeBlock {
 
   alignas(16) std::array<std::uint8_t, geometry::kBlockVolume> log_odds;
   SurfaceLeaves leaves;
-  bool changed = false;  ///< states differ from what was last reported
+  std::uint64_t changed_at = 0;  ///< LocalMap::sequence() when a state last changed
 
   /// Contains bit of every voxel.
   void leaf_flags(const StateLevels& levels, Flags* flags) const;

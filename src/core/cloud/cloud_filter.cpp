@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloud_reader.hpp"
 
@@ -87,6 +88,13 @@ FilterCounts& FilterCounts::operator+=(const FilterCounts& o) {
 CloudFilter::CloudFilter(const CloudFilterConfig& config)
     : config_(base::checked(config)), limits_(limits_of(config)) {}
 
+void CloudFilter::set_body_mask(BodyMask mask) {
+  body_mask_ = std::move(mask);
+  has_body_mask_ = body_mask_.num_covered() > 0;
+  limits_ = limits_of(config_);
+  limits_.clear_sq = std::max(limits_.clear_sq, squared(body_mask_.farthest_m() * 1.001 + 1e-6));
+}
+
 CloudFilter::Limits CloudFilter::limits_of(const CloudFilterConfig& c) {
   Limits out;
   // A margin against rounding: the exact tests behind the clear range decide.
@@ -111,6 +119,7 @@ CloudFilter::Verdict CloudFilter::judge_near_or_odd(float x, float y, float z, f
   const bool is_in_box = x >= l.box_min[0] && x <= l.box_max[0] && y >= l.box_min[1] && y <= l.box_max[1] &&
                          z >= l.box_min[2] && z <= l.box_max[2];
   if (config_.use_body_box && is_in_box) return Verdict::kBody;
+  if (has_body_mask_ && body_mask_.covers(x, y, z)) return Verdict::kBody;
   if (range_sq < l.near_sq) return Verdict::kNear;
   return range_sq > l.far_sq ? Verdict::kFar : Verdict::kKept;
 }

@@ -33,7 +33,6 @@ VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const 
 struct Applied {
   BlockUpdate update;
   bool any_level_changed = false;
-  bool any_state_changed = false;
 };
 
 /// Voxels without hits of their own are missed by any ray that crosses them, the others only when they are refuted.
@@ -48,7 +47,7 @@ void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const Voxel
     out->update.missed += count_bits(misses);
     out->update.became_free += done.crossed_free;
     out->any_level_changed = out->any_level_changed || done.any_changed;
-    out->any_state_changed = out->any_state_changed || done.crossed_free + done.crossed_occupied != 0;
+    out->update.any_state_changed = out->update.any_state_changed || done.crossed_free + done.crossed_occupied != 0;
   }
 }
 
@@ -59,7 +58,7 @@ void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOdds
     const auto after = static_cast<std::uint8_t>(std::min<int>(level + scale.hit, scale.max));
     const containers::State state = levels.of(after);
     if (state != levels.of(level)) {
-      out->any_state_changed = true;
+      out->update.any_state_changed = true;
       out->update.became_occupied += state == containers::State::kOccupied ? 1 : 0;
     }
     out->any_level_changed = out->any_level_changed || after != level;
@@ -96,7 +95,6 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
   apply_misses(block, evidence, hits, refuted, scale, levels, &applied);
   apply_hits(block, evidence, scale, levels, &applied);
   if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
-  block->changed = block->changed || applied.any_state_changed;
   // Most blocks are free space at the lower clamp, where a miss changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {
     OctreeBlock::Flags flags;

@@ -45,6 +45,7 @@ InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_
   if (!geometry::is_valid(T_W_L) || !reachable) throw std::invalid_argument("T_W_L is not a usable rigid transform");
   InsertStatistics statistics;
   statistics.points = n;
+  ++sequence_;
   move_window(T_W_L.translation(), &statistics);
   const ScanFrame frame = frame_of(T_W_L);
   collect_points(points, n, stride, frame, &statistics);
@@ -192,7 +193,10 @@ BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight
   evidence.hit_bits = ends_.hit_bits(slot);
   evidence.hits_begin = ends_.hits().data() + hits.begin;
   evidence.hits_end = ends_.hits().data() + hits.end;
-  return update_block(&window_.ensure(static_cast<int>(slot), scale_.prior), evidence, sight, scale_, levels_);
+  OctreeBlock& known = window_.ensure(static_cast<int>(slot), scale_.prior);
+  const BlockUpdate update = update_block(&known, evidence, sight, scale_, levels_);
+  if (update.any_state_changed) known.changed_at = sequence_;
+  return update;
 }
 
 /// Every ray crosses its end voxel's block, so the crossed blocks are all blocks.

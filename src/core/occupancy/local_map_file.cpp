@@ -85,8 +85,9 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
     get_block(&block, map.scale_, &in);
     block.leaf_flags(map.levels_, &flags);
     block.refresh(flags);
-    block.changed = true;
+    block.changed_at = 1;
   }
+  map.sequence_ = 1;
   return map;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What leaves the local map: points, content, changes. Also the few operations that touch all of it.
 #include <algorithm>
+#include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "voxnav/occupancy/local_map.hpp"
@@ -9,7 +11,7 @@ namespace voxnav::occupancy {
 namespace {
 
 /// More removed blocks than this pending means that nobody listens; the next report is then a snapshot.
-constexpr std::size_t kMaxRemoved = 100000;
+constexpr std::size_t kMaxRemoved = 10000;
 
 template <class Wanted>
 std::vector<float> centers_where(const BlockWindow& window, double resolution_m, Wanted wanted) {
@@ -75,34 +77,41 @@ MapContent LocalMap::take_evicted() {
 }
 
 void LocalMap::note_removed(const geometry::Index3& block) {
-  if (removed_.size() < kMaxRemoved) {
-    removed_.insert(block);
-  } else {
-    changes_lost_ = true;
+  if (removed_.size() >= kMaxRemoved) {
+    removed_.clear();
+    complete_since_ = sequence_;
   }
+  removed_[block] = sequence_;
+}
+
+containers::GridUpdate LocalMap::changes_after(std::uint64_t sequence) const {
+  if (sequence < complete_since_) return snapshot();
+  containers::GridUpdate out;
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    const OctreeBlock* block = window_.at(slot);
+    if (block == nullptr || block->changed_at <= sequence) continue;
+    if (block->has_known()) {
+      out.add(window_.block_at(slot), block->states(levels_));
+    } else {
+      out.remove(window_.block_at(slot));
+    }
+  }
+  for (const auto& [index, removed_at] : removed_) {
+    const OctreeBlock* block = window_.find(index);
+    const bool is_reported = block != nullptr && (block->has_known() || block->changed_at > sequence);
+    if (removed_at > sequence && !is_reported) out.remove(index);
+  }
+  return out;
 }
 
 containers::GridUpdate LocalMap::take_changes() {
-  containers::GridUpdate out;
-  if (changes_lost_) out = snapshot();
-  for (int slot = 0; slot < window_.num_slots(); ++slot) {
-    OctreeBlock* block = window_.at(slot);
-    if (block == nullptr || !block->changed) continue;
-    block->changed = false;
-    const geometry::Index3 index = window_.block_at(slot);
-    if (!block->has_known()) {
-      removed_.insert(index);
-    } else if (!changes_lost_) {
-      removed_.erase(index);
-      out.add(index, block->states(levels_));
-    }
-  }
-  if (!changes_lost_) {
-    for (const geometry::Index3& index : removed_) out.remove(index);
-  }
-  removed_.clear();
-  changes_lost_ = false;
+  containers::GridUpdate out = changes_after(taken_at_);
+  taken_at_ = sequence_;
   return out;
+}
+
+containers::GridUpdate LocalMap::changes_since(std::uint64_t sequence) const {
+  return sequence == 0 || sequence > sequence_ ? snapshot() : changes_after(sequence);
 }
 
 containers::GridUpdate LocalMap::snapshot() const {
@@ -116,6 +125,7 @@ containers::GridUpdate LocalMap::snapshot() const {
 }
 
 void LocalMap::clear() {
+  ++sequence_;
   for (const EvictedBlock& block : window_.take_all()) note_removed(block.index);
   evicted_.clear();
 }
@@ -126,20 +136,43 @@ void LocalMap::set_thresholds(double free_threshold, double occupied_threshold) 
   changed.occupied_threshold = occupied_threshold;
   config_ = base::checked(changed);
   levels_ = StateLevels(scale_, free_threshold, occupied_threshold);
-  OctreeBlock::Flags flags;
+  ++sequence_;
   for (int slot = 0; slot < window_.num_slots(); ++slot) {
-    OctreeBlock* block = window_.at(slot);
-    if (block == nullptr) continue;
-    block->leaf_flags(levels_, &flags);
-    block->refresh(flags);
-    block->changed = true;
+    if (window_.at(slot) != nullptr) refresh(slot);
   }
+}
+
+void LocalMap::refresh(int slot) {
+  OctreeBlock::Flags flags;
+  OctreeBlock* block = window_.at(slot);
+  block->leaf_flags(levels_, &flags);
+  block->refresh(flags);
+  block->changed_at = sequence_;
+}
+
+std::size_t LocalMap::assign(const std::vector<VoxelLogOdds>& voxels) {
+  ++sequence_;
+  std::set<int> touched;
+  std::size_t num_set = 0;
+  for (const VoxelLogOdds& voxel : voxels) {
+    if (!is_in_window(voxel.point) || !std::isfinite(voxel.log_odds)) continue;
+    const geometry::Index3 index = geometry::index_of(voxel.point, config_.resolution_m);
+    const int slot = window_.slot_of(geometry::block_of(index));
+    const double level = std::round(scale_.prior + voxel.log_odds * scale_.levels_per_unit);
+    window_.ensure(slot, scale_.prior).log_odds[geometry::offset_in_block(index)] =
+        static_cast<std::uint8_t>(std::clamp(level, 0.0, static_cast<double>(scale_.max)));
+    touched.insert(slot);
+    ++num_set;
+  }
+  for (const int slot : touched) refresh(slot);
+  return num_set;
 }
 
 std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
   if (!center.allFinite() || !(radius_m >= 0.0))
     throw std::invalid_argument("mark_free needs a finite centre and radius");
   if (!window_.is_placed()) window_.recenter(center);
+  ++sequence_;
   const double reach = std::min(radius_m, config_.max_range_m);
   const geometry::Index3 low = geometry::index_of(center.array() - reach, config_.resolution_m);
   const geometry::Index3 high = geometry::index_of(center.array() + reach, config_.resolution_m);
@@ -160,12 +193,7 @@ std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
       }
     }
   }
-  OctreeBlock::Flags flags;
-  for (const int slot : touched) {
-    window_.at(slot)->leaf_flags(levels_, &flags);
-    window_.at(slot)->refresh(flags);
-    window_.at(slot)->changed = true;
-  }
+  for (const int slot : touched) refresh(slot);
   return freed;
 }
 
@@ -175,7 +203,7 @@ std::size_t LocalMap::memory_bytes() const {
   for (const RayMarks& marks : marks_) bytes += marks.memory_bytes();
   for (const ScanPart& part : parts_) bytes += part.memory_bytes();
   for (const auto& entry : evicted_) bytes += sizeof(entry) + entry.second.occupied.capacity() * sizeof(OccupiedLeaf);
-  return bytes + removed_.size() * 48 + no_return_ends_.capacity() * sizeof(geometry::Vec3f);
+  return bytes + removed_.size() * 56 + no_return_ends_.capacity() * sizeof(geometry::Vec3f);
 }
 
 }  // namespace voxnav::occupancy

@@ -3,7 +3,9 @@
 
 #include <octomap/octomap.h>
 
+#include <cmath>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 
@@ -40,7 +42,48 @@ bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
+std::unique_ptr<octomap::OcTree> read_octree(const std::string& path) {
+  auto tree = std::make_unique<octomap::OcTree>(0.1);
+  if (ends_with(path, ".bt")) return tree->readBinary(path) ? std::move(tree) : nullptr;
+  std::unique_ptr<octomap::AbstractOcTree> any(octomap::AbstractOcTree::read(path));
+  auto* octree = dynamic_cast<octomap::OcTree*>(any.get());
+  if (octree != nullptr) any.release();
+  return std::unique_ptr<octomap::OcTree>(octree);
+}
+
+/// Pruned leaves stand for a cube of voxels.
+void append_leaf(const geometry::Vec3& center, double size, double resolution_m, double log_odds,
+                 std::vector<LocalMap::VoxelLogOdds>* out) {
+  const auto n = static_cast<int>(std::lround(size / resolution_m));
+  for (int i = 0; i < n * n * n; ++i) {
+    const geometry::Vec3 at(i % n, i / n % n, i / n / n);
+    out->push_back({center + (at.array() - 0.5 * (n - 1)).matrix() * resolution_m, log_odds});
+  }
+}
+
 }  // namespace
+
+LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geometry::Vec3& center) {
+  const std::unique_ptr<octomap::OcTree> tree = read_octree(path);
+  if (!tree) throw std::runtime_error("cannot read an OcTree from " + path);
+  config.resolution_m = tree->getResolution();
+  LocalMap map(config);
+  map.place_window(center);
+  const auto& n = map.window().num_blocks();
+  const geometry::Vec3 half =
+      0.5 * geometry::kBlockSide * config.resolution_m * geometry::Vec3(n[0] + 1, n[1] + 1, n[2] + 1);
+  const auto corner = [&](double sign) {
+    const geometry::Vec3 p = center + sign * half;
+    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+  };
+  std::vector<LocalMap::VoxelLogOdds> voxels;
+  for (auto leaf = tree->begin_leafs_bbx(corner(-1.0), corner(1.0)); leaf != tree->end_leafs_bbx(); ++leaf) {
+    append_leaf({leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize(), config.resolution_m, leaf->getLogOdds(),
+                &voxels);
+  }
+  map.assign(voxels);
+  return map;
+}
 
 void save_octomap(const LocalMap& map, const std::string& path) {
   const bool binary = ends_with(path, ".bt");

@@ -106,3 +106,29 @@ TEST(LocalMapWindow, ChangesRebuildTheMapElsewhere) {
   ASSERT_EQ(mirror.sorted_block_indices(), whole.sorted_block_indices());
   for (const auto& [index, block] : whole.blocks()) EXPECT_EQ(block.words, mirror.find_block(index)->words);
 }
+
+TEST(LocalMapWindow, TwoReadersFollowByChangesAlone) {
+  LocalMap map(small_config());
+  StateGrid often(0.4), seldom(0.4);
+  std::uint64_t often_at = 0, seldom_at = 0;
+  for (int i = 0; i < 24; ++i) {
+    const Vec3 origin(1.5 * i, 0.5 * i, 1.0);
+    insert_from(&map, origin, test::random_points(static_cast<unsigned>(i) / 3, 300, origin, 9.0));
+    if (i == 15) map.set_thresholds(0.4, 0.7);
+    const containers::GridUpdate update = map.changes_since(often_at);
+    EXPECT_EQ(update.is_snapshot, i == 0);
+    containers::apply(update, &often);
+    often_at = map.sequence();
+    if (i % 7 != 6) continue;
+    containers::apply(map.changes_since(seldom_at), &seldom);
+    seldom_at = map.sequence();
+    EXPECT_EQ(containers::snapshot_of(seldom).states, map.snapshot().states);
+  }
+  EXPECT_EQ(containers::snapshot_of(often).block_indices, map.snapshot().block_indices);
+  EXPECT_EQ(containers::snapshot_of(often).states, map.snapshot().states);
+  EXPECT_TRUE(map.changes_since(map.sequence()).block_indices.empty());
+  EXPECT_TRUE(map.changes_since(map.sequence() + 1).is_snapshot) << "a sequence of another map";
+  map.clear();
+  containers::apply(map.changes_since(often_at), &often);
+  EXPECT_TRUE(containers::snapshot_of(often).block_indices.empty());
+}

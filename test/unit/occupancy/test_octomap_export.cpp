@@ -74,3 +74,29 @@ TEST(OctomapExport, OtherEndingsAreRefused) {
   EXPECT_THROW(occupancy::save_octomap(some_map(), "/tmp/map.txt"), std::invalid_argument);
   EXPECT_THROW(occupancy::save_octomap(some_map(), "/nonexistent/map.ot"), std::runtime_error);
 }
+
+TEST(OctomapExport, WhatWasExportedIsImported) {
+  const occupancy::LocalMap map = some_map();
+  const std::string base = testing::TempDir() + "voxnav_octomap_import";
+  for (const char* ending : {".ot", ".bt"}) {
+    occupancy::save_octomap(map, base + ending);
+    const occupancy::LocalMap read = occupancy::load_octomap(base + ending, map.config(), Vec3(0.2, 0.2, 1.0));
+    EXPECT_EQ(read.snapshot().block_indices, map.snapshot().block_indices) << ending;
+    EXPECT_EQ(read.snapshot().states, map.snapshot().states) << ending;
+    std::remove((base + ending).c_str());
+  }
+  EXPECT_THROW(occupancy::load_octomap("/nonexistent/map.bt", map.config(), Vec3::Zero()), std::runtime_error);
+}
+
+TEST(OctomapExport, ImportKeepsToTheWindow) {
+  octomap::OcTree tree(0.2);
+  tree.setNodeValue(octomap::point3d(0.1F, 0.1F, 0.1F), 3.0F);
+  tree.setNodeValue(octomap::point3d(90.1F, 0.1F, 0.1F), 3.0F);
+  const std::string path = testing::TempDir() + "voxnav_octomap_window.ot";
+  ASSERT_TRUE(tree.write(path));
+  const occupancy::LocalMap read = occupancy::load_octomap(path, {}, Vec3::Zero());
+  std::remove(path.c_str());
+  EXPECT_EQ(read.config().resolution_m, 0.2);
+  EXPECT_EQ(read.centers_above(0.8).size(), 3u);
+  EXPECT_EQ(read.state(Vec3(0.1, 0.1, 0.1)), State::kOccupied);
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "voxnav/base/config.hpp"
+
+namespace voxnav::pipeline {
+
+struct LoadControlConfig {
+  double max_busy_share = 0.8;
+  int max_decimation = 8;
+  int calm_scans = 20;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = LoadControlConfig;
+    v("max_busy_share", &C::max_busy_share, base::in(0.05, 10.0), "",
+      "work per scan over the time between scans beyond which scans are thinned out");
+    v("max_decimation", &C::max_decimation, base::in(1, 64), "", "thinnest: every n-th point; 1 = never thin out");
+    v("calm_scans", &C::calm_scans, base::in(1, 1000), "",
+      "so many scans with time to spare before it gets finer again");
+  }
+};
+
+/// Which points of a scan are used when there is too little time for all: every second, fourth, eighth. Scans are
+/// dropped only after that, by whoever queues them. Decides by durations it is told; reads no clock.
+class LoadControl {
+ public:
+  /// @throws base::ConfigError
+  explicit LoadControl(const LoadControlConfig& config);
+
+  /// Work on the last scan, and the time since the one before; unusable numbers are ignored.
+  void add(double work_s, double period_s);
+  int decimation() const { return decimation_; }
+  /// Keeps every n-th row of `columns` numbers.
+  template <class Number>
+  void thin_out(std::size_t columns, std::vector<Number>* rows) const;
+
+ private:
+  LoadControlConfig config_;
+  int decimation_ = 1;
+  int num_calm_ = 0;
+};
+
+template <class Number>
+void LoadControl::thin_out(std::size_t columns, std::vector<Number>* rows) const {
+  const std::size_t count = rows->size() / columns;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; i += static_cast<std::size_t>(decimation_), ++kept) {
+    for (std::size_t c = 0; c < columns; ++c) (*rows)[kept * columns + c] = (*rows)[i * columns + c];
+  }
+  rows->resize(kept * columns);
+}
+
+}  // namespace voxnav::pipeline
