@@ -160,10 +160,10 @@ Index read_index(const std::string& path, std::vector<std::string>* problems) {
     problem = error.what();
   }
   Index index = read_records(bytes, path, problems ? &problem : nullptr);
-  if (!problems && (!index.settings || index.listed.size() != index.num_submaps))
-    throw std::invalid_argument(path + " does not hold what it announces");
+  const bool is_whole = index.settings && index.listed.size() == index.num_submaps;
+  if (!is_whole && problem.empty()) problem = path + " does not hold what it announces";
   if (problem.empty()) return index;
-  if (index.listed.empty()) throw std::invalid_argument(problem);
+  if (!problems || index.listed.empty()) throw std::invalid_argument(problem);
   const std::string of = index.settings ? " of " + std::to_string(index.num_submaps) : "";
   problems->push_back(problem + "; " + std::to_string(index.listed.size()) + of + " submaps are intact in it");
   return index;

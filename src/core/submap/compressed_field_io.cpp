@@ -46,8 +46,9 @@ void CompressedField::place_records(const base::ByteReader& in) {
 
 CompressedField CompressedField::read(base::ByteReader* in) {
   CompressedField field;
+  constexpr double kWidestBand = 6.0;  // as SubmapConfig allows: the windows that distances are derived in hold no more
   field.band_ = in->get<double>();
-  if (!(field.band_ > 0.0 && field.band_ < 1e3)) in->fail("has no usable distance band");
+  if (!(field.band_ >= 1.0 && field.band_ <= kWidestBand)) in->fail("has no usable distance band");
   field.blocks_.resize(in->get_count(sizeof(Index3) + kCells));
   for (Block& block : field.blocks_) {
     block.index = in->get<Index3>();
