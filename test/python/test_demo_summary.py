@@ -2,12 +2,13 @@
 """The summary of a flight says what was measured, and says so when nothing was."""
 
 import json
+import threading
 
 import numpy as np
 import pytest
 
 from voxnav.demo import summary
-from voxnav.demo.record import FlightRecord
+from voxnav.demo.record import FlightRecord, Track
 
 FIELDS = {"reached", "reason", "min_clearance_m", "path_length_m", "straight_m", "flight_s", "real_time_factor",
           "ate_odometry_m", "ate_optimised_m", "stages", "rss_mb"}
@@ -54,3 +55,24 @@ def test_what_fell_behind_is_named():
     assert summary.fell_behind(record) == ["the simulation itself (factor 0.80)", "local_mapper/insert dropped 3"]
     record.speed_factor = 0.8  # it was asked to be this slow
     assert summary.fell_behind(record) == ["local_mapper/insert dropped 3"]
+
+
+def test_tracks_can_be_read_while_they_grow():
+    track, stop = Track(), threading.Event()
+
+    def grow():
+        t = 0.0
+        while not stop.is_set():
+            t += 0.01
+            track.add(t, (t, 0.0, 0.0))
+
+    thread = threading.Thread(target=grow)
+    thread.start()
+    try:
+        for _ in range(200):
+            stamps, positions = track.arrays()
+            assert len(stamps) == len(positions)
+            assert len(stamps) == 0 or positions[-1, 0] == stamps[-1]
+    finally:
+        stop.set()
+        thread.join()

@@ -12,12 +12,13 @@ class Track:
 
     def add(self, stamp, position):
         if not self._stamps or stamp > self._stamps[-1]:
-            self._stamps.append(stamp)
             self._positions.append(position)
+            self._stamps.append(stamp)
 
     def arrays(self):
-        """(stamps (n,), positions (n, 3))."""
-        return np.array(self._stamps), np.array(self._positions).reshape(-1, 3)
+        """(stamps (n,), positions (n, 3)), also while another thread adds to them."""
+        n = len(self._stamps)  # positions come first: there are never fewer
+        return np.array(self._stamps[:n]), np.array(self._positions[:n]).reshape(-1, 3)
 
 
 class FlightRecord:
