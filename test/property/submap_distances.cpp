@@ -64,6 +64,23 @@ TEST_P(SubmapDistances, OfFreeVoxelCentersEqualBruteForce) {
   }
 }
 
+TEST_P(SubmapDistances, SurfaceWithinADistanceEqualsBruteForce) {
+  const auto content = test::random_content(13, 40, GetParam(), 0.1, kVoxel);
+  const auto field = Submap::from_content(content, geometry::Pose::Identity(), {})->field();
+  const Truth truth = truth_of(content);
+  std::mt19937 rng(5);
+  int near = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 p = test::random_in(&rng, {-8, -1.2, -8}, {8, 14.8, 8});
+    const double distance = 0.2 + 0.001 * i;  // metres, over several cells
+    const double exact = to_points(truth, p);
+    if (std::abs(exact - distance) < 1e-9) continue;
+    ASSERT_EQ(field->has_surface_within(p / kVoxel, distance / kVoxel), exact < distance) << p.transpose();
+    near += exact < distance ? 1 : 0;
+  }
+  EXPECT_EQ(near > 100, GetParam() > 0.0);
+}
+
 TEST_P(SubmapDistances, CertifiedNeverExceedTheTruth) {
   const auto content = test::random_content(12, 40, GetParam(), 0.1, kVoxel);
   submap::SubmapConfig config;

@@ -49,6 +49,9 @@ class CompressedField {
   std::optional<float> value(const geometry::Index3& voxel) const;
   /// Nearest occupied thing within `max_distance` of p, exact. O(blocks within reach).
   std::optional<Nearest> nearest(const geometry::Vec3& p, double max_distance, Target target) const;
+  /// Whether a surface point is nearer to p than `distance`. O(cells of 4^3 voxels within reach): for small distances
+  /// much cheaper than nearest().
+  bool has_surface_within(const geometry::Vec3& p, double distance) const;
 
   /// Calls f(voxel, leaf) for every occupied voxel, in block and cell order.
   template <class F>
@@ -131,6 +134,7 @@ class CompressedField {
   void shrink();
   void link();
   const Block* find(const geometry::Index3& index) const;
+  bool has_point_within(const Block& block, int cell, const geometry::Vec3& p, double squared) const;
   void search_near_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void search_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void place_records(const base::ByteReader& in);

@@ -59,7 +59,6 @@ class PlacedSubmap {
   };
   void sort_leaves(const std::vector<bool>& is_thin);
   const ColumnBlock* states_of(const geometry::Index3& block_G) const;
-  bool has_occupied_around(const geometry::Index3& voxel_G, int reach) const;
   void add_free_level(const geometry::Index3& block, Columns* free) const;
   void add_free_tilted(const geometry::Index3& block, Columns* free) const;
 

@@ -18,7 +18,8 @@ using geometry::Pose;
 using geometry::Vec3;
 
 std::int8_t mean_byte(double edges) {
-  return static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, edges * 254.0))));
+  const double units = std::min(127.0, std::max(-127.0, edges * 254.0));
+  return static_cast<std::int8_t>(units + std::copysign(0.5, units));  // std::lround() is a call
 }
 
 std::uint8_t range_byte(const std::optional<double>& range_m) {
@@ -144,38 +145,12 @@ void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
   }
 }
 
-bool PlacedSubmap::has_occupied_around(const Index3& voxel, int reach) const {
-  const Index3 low = geometry::block_of(voxel - Index3{reach, reach, reach});
-  const Index3 high = geometry::block_of(voxel + Index3{reach, reach, reach});
-  for (int bz = low.z; bz <= high.z; ++bz) {
-    const int z0 = std::max(0, voxel.z - reach - bz * kBlockSide);
-    const int z1 = std::min(kBlockSide - 1, voxel.z + reach - bz * kBlockSide);
-    const unsigned mask = (0xFFFFu >> (kBlockSide - 1 - z1)) & (0xFFFFu << z0);
-    for (int by = low.y; by <= high.y; ++by) {
-      for (int bx = low.x; bx <= high.x; ++bx) {
-        const ColumnBlock* block = states_of({bx, by, bz});
-        if (!block) continue;
-        const int x1 = std::min(kBlockSide - 1, voxel.x + reach - bx * kBlockSide);
-        const int y1 = std::min(kBlockSide - 1, voxel.y + reach - by * kBlockSide);
-        for (int y = std::max(0, voxel.y - reach - by * kBlockSide); y <= y1; ++y) {
-          for (int x = std::max(0, voxel.x - reach - bx * kBlockSide); x <= x1; ++x) {
-            if (block->occupied[static_cast<std::size_t>(x + kBlockSide * y)] & mask) return true;
-          }
-        }
-      }
-    }
-  }
-  return false;
-}
-
 bool PlacedSubmap::clears(const Vec3& p_W, double distance_m) const {
   const Vec3 p = T_G_W_ * p_W / submap_resolution_m_;
   const Index3 voxel = floor_index(p);
   const ColumnBlock* block = states_of(geometry::block_of(voxel));
   if (!block || block->get(geometry::offset_in_block(voxel)) != State::kFree) return false;
-  const double distance = distance_m / submap_resolution_m_;
-  if (!has_occupied_around(voxel, static_cast<int>(std::ceil(distance)))) return true;
-  return !field_->nearest(p, distance, CompressedField::Target::kSurfacePoint);
+  return !field_->has_surface_within(p, distance_m / submap_resolution_m_);
 }
 
 std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
