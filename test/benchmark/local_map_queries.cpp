@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Questions to a local map of an analytic forest at 0.4 m, its outputs, and moves of its window; OctoMap where it has
+// the like. Items per second of the first ones are queries.
+#include <benchmark/benchmark.h>
+#include <octomap/octomap.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "local_map/analytic_scan.hpp"
+#include "voxnav/occupancy/local_map.hpp"
+
+using namespace voxnav;  // NOLINT: benchmark
+using voxnav::benchmark::position;
+using voxnav::benchmark::scan;
+
+namespace {
+
+using geometry::Vec3;
+
+geometry::Pose sensor_at(const Vec3& place) {
+  geometry::Pose T_W_L = geometry::Pose::Identity();
+  T_W_L.translation() = place;
+  return T_W_L;
+}
+
+occupancy::LocalMap make_map() {
+  occupancy::LocalMap map{occupancy::LocalMapConfig{}};
+  for (int i = 0; i < 5; ++i) map.insert(scan().data(), scan().size() / 3, 3, sensor_at(position(i)));
+  return map;
+}
+
+octomap::OcTree make_octree() {
+  octomap::OcTree tree(0.4);
+  for (int i = 0; i < 5; ++i) {
+    octomap::Pointcloud cloud;
+    const octomap::point3d sensor(static_cast<float>(position(i).x()), 0.0f, 2.0f);
+    for (std::size_t k = 0; k < scan().size(); k += 3) {
+      cloud.push_back(scan()[k] + sensor.x(), scan()[k + 1], scan()[k + 2] + 2.0f);
+    }
+    tree.insertPointCloud(cloud, sensor, 26.0, false, true);
+  }
+  return tree;
+}
+
+/// Places all over the seen part of the forest.
+const std::vector<Vec3>& places() {
+  static const std::vector<Vec3> out = [] {
+    std::mt19937 rng(3);
+    std::uniform_real_distribution<double> flat(-25.0, 25.0), height(0.0, 10.0);
+    std::vector<Vec3> made;
+    for (int i = 0; i < 4096; ++i) made.push_back({flat(rng), flat(rng), height(rng)});
+    return made;
+  }();
+  return out;
+}
+
+template <class Ask>
+void ask(::benchmark::State& state, Ask one) {
+  std::size_t i = 0;
+  for (auto _ : state) ::benchmark::DoNotOptimize(one(places()[i++ % places().size()]));
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()));
+}
+
+void point_state(::benchmark::State& state) {
+  const auto map = make_map();
+  ask(state, [&](const Vec3& p) { return map.state(p); });
+}
+
+void point_octomap(::benchmark::State& state) {
+  const auto tree = make_octree();
+  ask(state, [&](const Vec3& p) { return tree.search(p.x(), p.y(), p.z()); });
+}
+
+void box_of_2_m(::benchmark::State& state) {
+  const auto map = make_map();
+  ask(state, [&](const Vec3& p) { return map.box_state({p - Vec3::Constant(1.0), p + Vec3::Constant(1.0)}); });
+}
+
+void nearest_within_3_m(::benchmark::State& state) {
+  const auto map = make_map();
+  ask(state, [&](const Vec3& p) { return map.nearest_occupied(p, 3.0).has_value(); });
+}
+
+void ray_of_20_m(::benchmark::State& state) {
+  const auto map = make_map();
+  const Vec3 sensor(0.0, 0.0, 2.0);
+  ask(state,
+      [&](const Vec3& p) { return map.ray_cast(sensor, sensor + 20.0 * (p - sensor).normalized(), true).range_m; });
+}
+
+void ray_octomap(::benchmark::State& state) {
+  const auto tree = make_octree();
+  const octomap::point3d sensor(0.0f, 0.0f, 2.0f);
+  ask(state, [&](const Vec3& p) {
+    octomap::point3d end;
+    const octomap::point3d target(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+    return tree.castRay(sensor, target - sensor, end, true, 20.0);
+  });
+}
+
+void corridor_60_m(::benchmark::State& state) {
+  const auto map = make_map();
+  for (auto _ : state) ::benchmark::DoNotOptimize(map.corridor_state({-30, 0.3, 2}, {30, 1.0, 2.5}, 0.8));
+}
+
+void occupied_points(::benchmark::State& state) {
+  const auto map = make_map();
+  for (auto _ : state) ::benchmark::DoNotOptimize(map.occupied_points());
+  state.counters["points"] = static_cast<double>(map.occupied_points().size()) / 3.0;
+}
+
+/// An empty scan that moves the window by a block: what leaves is turned into content for the handover.
+void window_move(::benchmark::State& state) {
+  auto map = make_map();
+  const double step_m = 16 * map.config().resolution_m;
+  double x = 0.0, longest_s = 0.0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    if (x > 30.0) {
+      map = make_map();
+      x = 0.0;
+    }
+    x += step_m;
+    state.ResumeTiming();
+    const auto begin = std::chrono::steady_clock::now();
+    map.insert(nullptr, 0, 3, sensor_at({x, 0.0, 2.0}));
+    longest_s = std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+    state.PauseTiming();
+    map.take_evicted();
+    state.ResumeTiming();
+  }
+  state.counters["longest_ms"] = 1e3 * longest_s;
+}
+
+BENCHMARK(point_state);
+BENCHMARK(point_octomap);
+BENCHMARK(box_of_2_m);
+BENCHMARK(nearest_within_3_m);
+BENCHMARK(ray_of_20_m);
+BENCHMARK(ray_octomap);
+BENCHMARK(corridor_60_m)->Unit(::benchmark::kMicrosecond);
+BENCHMARK(occupied_points)->Unit(::benchmark::kMicrosecond);
+BENCHMARK(window_move)->Unit(::benchmark::kMicrosecond)->Iterations(40);
+
+}  // namespace
