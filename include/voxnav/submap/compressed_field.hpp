@@ -86,8 +86,8 @@ class CompressedField {
   /// States of the i-th block as columns.
   ColumnBlock columns(std::size_t i) const;
   std::size_t num_leaves() const { return leaves_.size(); }
-  /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own hits.
-  /// Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
+  /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
+  /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
   CompressedField own_surface() const;
   std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_leaves_.size(); }
   double band() const { return band_; }
@@ -156,7 +156,7 @@ class CompressedField {
   std::vector<Leaf> leaves_;
   std::vector<std::uint64_t> own_bits_;  ///< of each leaf: the submap hit it itself; none where distances were measured
   std::vector<Leaf> own_leaves_;         ///< for those, from the submap's own hits
-  std::vector<std::int32_t> table_;  ///< open addressing: position in blocks_ or -1
+  std::vector<std::int32_t> table_;      ///< open addressing: position in blocks_ or -1
 };
 
 /// Surface point of a leaf in voxel edges.

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/own_surface.hpp"
-
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
 #include "voxnav/base/bytes.hpp"
+#include "voxnav/submap/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;
