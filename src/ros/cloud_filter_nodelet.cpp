@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <std_srvs/Trigger.h>
-
 #include <pluginlib/class_list_macros.hpp>
 
+#include "body_learning.hpp"
 #include "voxnav/cloud/cloud_filter.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
@@ -33,10 +32,11 @@ class CloudFilterNodelet : public NodeletBase {
   void initialize() override {
     voxnav::cloud::CloudFilterConfig config;
     voxnav::cloud::OpenBeamsConfig open_beams;
+    voxnav::cloud::BodyMaskConfig body_mask;
     ParamLoader params(getPrivateNodeHandle());
     params.section("filter", &config);
     params.section("open_beams", &open_beams);
-    params.section("body_mask", &body_mask_);
+    params.section("body_mask", &body_mask);
     params.finish();
     open_beams_finder_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
     filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
@@ -45,11 +45,12 @@ class CloudFilterNodelet : public NodeletBase {
     rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
     far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
     open_beams_ = nh.advertise<sensor_msgs::PointCloud2>("open_beams_out", 5);
-    learn_body_ = nh.advertiseService("learn_body_in", &CloudFilterNodelet::on_learn_body, this);
+    body_learning_ = std::make_unique<BodyLearning>(nh, body_mask);
     topic_ = nh.resolveName("cloud_in");
   }
 
   void start() override {
+    body_learning_->start(getPrivateNodeHandle());
     cloud_ = getPrivateNodeHandle().subscribe("cloud_in", 5, &CloudFilterNodelet::on_cloud, this,
                                               ros::TransportHints().tcpNoDelay());
   }
@@ -63,7 +64,7 @@ class CloudFilterNodelet : public NodeletBase {
         const auto timer = diagnostics().time("filter");
         filter_->apply(view, &result_);
       }
-      learn_body(view);
+      if (auto mask = body_learning_->add(view)) take(std::move(*mask));
       publish(*msg, view);
       report();
     } catch (const std::exception& error) {
@@ -73,21 +74,7 @@ class CloudFilterNodelet : public NodeletBase {
     publish_progress(msg->header.stamp);
   }
 
-  /// To be called while the UAV stands on the ground with nothing but itself near. Clouds and services come through the
-  /// same single-threaded queue.
-  bool on_learn_body(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    learner_ = std::make_unique<voxnav::cloud::BodyMaskLearner>(body_mask_);
-    response.success = true;
-    response.message = "learning from the next " + std::to_string(body_mask_.num_clouds) + " clouds";
-    return true;
-  }
-
-  void learn_body(const voxnav::cloud::RawCloudView& view) {
-    if (!learner_) return;
-    learner_->add(view);
-    if (!learner_->is_done()) return;
-    voxnav::cloud::BodyMask mask = learner_->finish();
-    learner_.reset();
+  void take(voxnav::cloud::BodyMask mask) {
     diagnostics().set_counter("body_mask_directions", static_cast<double>(mask.num_covered()));
     NODELET_INFO_STREAM("[" << node() << "]: body mask learnt: " << mask.num_covered() << " directions, up to "
                             << mask.farthest_m() << " m");
@@ -153,8 +140,7 @@ class CloudFilterNodelet : public NodeletBase {
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
   std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_finder_;
-  voxnav::cloud::BodyMaskConfig body_mask_;
-  std::unique_ptr<voxnav::cloud::BodyMaskLearner> learner_;  ///< while learning
+  std::unique_ptr<BodyLearning> body_learning_;
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;
   std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
@@ -162,7 +148,6 @@ class CloudFilterNodelet : public NodeletBase {
   std::string topic_;
   ros::Publisher points_, rejected_, far_, open_beams_;
   ros::Subscriber cloud_;
-  ros::ServiceServer learn_body_;
 };
 
 }  // namespace voxnav_ros

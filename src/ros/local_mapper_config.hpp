@@ -17,7 +17,7 @@ struct LocalMapperConfig {
   int max_pending_scans = 5;
   double max_jump_m = 10.0;
   double vehicle_radius_m = 0.8;
-  double snapshot_period_s = 5.0;
+  double snapshot_period_s = 0.0;
   double occupied_period_s = 10.0;
   double octomap_period_s = 1.0;
   bool is_octomap_binary = false;
@@ -37,7 +37,8 @@ struct LocalMapperConfig {
     v("max_jump_m", &C::max_jump_m, in(0.1, 10000.0), "m", "a pose that jumps farther between scans clears the map");
     v("vehicle_radius_m", &C::vehicle_radius_m, in(0.0, 10.0), "m",
       "around the body voxels are free unless occupied; 0 = off");
-    v("snapshot_period_s", &C::snapshot_period_s, in(0.1, 1000.0), "s", "whole map on ~map_out");
+    v("snapshot_period_s", &C::snapshot_period_s, in(0.0, 1000.0), "s",
+      "whole map on ~map_out; 0 = only at first: who missed a change asks ~get_map_in");
     v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s", "cloud of occupied voxels on ~occupied_out");
     v("octomap_period_s", &C::octomap_period_s, in(0.05, 1000.0), "s",
       "OctoMap on ~octomap_out, while someone listens");

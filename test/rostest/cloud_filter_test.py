@@ -9,7 +9,10 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from mrs_msgs.msg import ControlManagerDiagnostics
 from sensor_msgs.msg import PointCloud2, PointField
+
+from std_srvs.srv import Trigger
 
 from voxnav.msg import NodeDiagnostics, Progress
 
@@ -53,7 +56,9 @@ class CloudFilterTest(unittest.TestCase):
                        rospy.Subscriber("cloud_filter/diagnostics_out", NodeDiagnostics, cls.diagnostics.append),
                        rospy.Subscriber("progress", Progress, cls.progress.append)]
         cls.cloud = rospy.Publisher("cloud_filter/cloud_in", PointCloud2, queue_size=10)
-        wait_for(lambda: cls.cloud.get_num_connections() and all(s.get_num_connections() for s in subscribers))
+        cls.control = rospy.Publisher("cloud_filter/control_diagnostics_in", ControlManagerDiagnostics, queue_size=10)
+        cls.learn = rospy.ServiceProxy("cloud_filter/learn_body_in", Trigger)
+        wait_for(lambda: cls.cloud.get_num_connections() and cls.control.get_num_connections() and all(s.get_num_connections() for s in subscribers))
 
     def send(self, msg):
         """Publish and wait until the node has dealt with it, for good or bad."""
@@ -112,6 +117,25 @@ class CloudFilterTest(unittest.TestCase):
         msg = to_msg(gazebo_cloud(), 12.2)
         msg.data = msg.data[:100]
         self.refuse(msg, "data has 100 bytes")
+
+    def ask_to_learn(self, is_flying, text):
+        """The control manager says it again and again, as it does in flight, until the answer is about that."""
+        def answer():
+            self.control.publish(ControlManagerDiagnostics(flying_normally=is_flying))
+            self.last_answer = self.learn()
+            return text in self.last_answer.message
+        self.assertTrue(wait_for(answer), self.last_answer.message)
+        return self.last_answer.success
+
+    def test_own_body_is_learnt_on_the_ground_only(self):
+        self.assertFalse(self.ask_to_learn(True, "the UAV flies"))
+        near = gazebo_cloud()
+        near["x"][0, :] = 0.9
+        self.assertEqual(self.send_good(to_msg(near, 14.0)).width, 32)
+        self.assertTrue(self.ask_to_learn(False, "learning from the next 3 clouds"))
+        for i in range(3):
+            self.assertEqual(self.send_good(to_msg(near, 14.1 + 0.1 * i)).width, 32)
+        self.assertEqual(self.send_good(to_msg(near, 15.0)).width, 24)
 
     def test_clouds_after_a_clock_that_fell_back_still_come_out(self):
         self.assertEqual(self.send_good(to_msg(gazebo_cloud(), 1000.0)).width, 32)

@@ -25,6 +25,13 @@ TIMEOUT_S = 30.0
 VOXEL = 0.4
 
 
+def wait_for(condition):
+    end = time.time() + TIMEOUT_S
+    while not condition() and time.time() < end:
+        time.sleep(0.05)
+    return condition()
+
+
 class Received:
     """Everything that came on one topic."""
 
@@ -242,10 +249,12 @@ class SubmapIntegratorTest(unittest.TestCase):
         directory = os.path.join(tempfile.mkdtemp(), "map")
         before = self.get_obstacles().grid
         self.assertTrue(self.save(directory).success)
+        self.handover.publish(handover(3, content().to_bytes(), stamp=40.0))
+        self.assertIsNotNone(self.progress.wait_for(lambda m: m.stamp == rospy.Time.from_sec(40.0)))
+        self.assertNotEqual(self.get_obstacles().grid.states, before.states)
         response = self.load(directory)
         self.assertTrue(response.success, response.message)
-        time.sleep(1.0)
-        self.assertEqual(self.get_obstacles().grid.states, before.states)
+        self.assertTrue(wait_for(lambda: self.get_obstacles().grid.states == before.states))
         self.assertEqual(len(self.get_submaps().submaps), 2)
         refused = self.load(directory + "_absent")
         self.assertFalse(refused.success)

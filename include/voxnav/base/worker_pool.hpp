@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -48,5 +51,22 @@ inline Share share_of(std::size_t count, int worker, int num_workers) {
   const auto part = [&](int i) { return count * static_cast<std::size_t>(i) / static_cast<std::size_t>(num_workers); };
   return {part(worker), part(worker + 1)};
 }
+
+/// Items handed out in order, `step` at a time, to whichever thread asks next: for items that cost unlike much. Who
+/// gets which is up to chance; results must not depend on it.
+class SharedItems {
+ public:
+  SharedItems(std::size_t count, std::size_t step) : count_(count), step_(step) {}
+  /// False when nothing is left.
+  bool next(Share* share) {
+    share->begin = next_.fetch_add(step_);
+    share->end = std::min(count_, share->begin + step_);
+    return share->begin < count_;
+  }
+
+ private:
+  std::size_t count_, step_;
+  std::atomic<std::size_t> next_{0};
+};
 
 }  // namespace voxnav::base

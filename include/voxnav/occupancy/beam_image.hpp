@@ -22,11 +22,12 @@ class BeamImage {
   void build(const float* points, std::size_t n, std::size_t stride, float nearest_m, float farthest_m,
              bool use_farther);
 
-  /// Calls visit(unit direction, length [m]) for beams of at least `shortest` metres in pixels that a ball touches,
-  /// until it returns true.
+  /// Calls visit(end of the beam, its squared distance [m^2]) for beams of at least `shortest` metres in pixels that a
+  /// ball touches, until it returns true. Beams are no longer than longest_m().
   template <class Visit>
   void for_beams_near(const geometry::Vec3f& center, float radius, float shortest, Visit visit) const;
 
+  float longest_m() const { return farthest_m_; }
   std::size_t memory_bytes() const { return (fine_.capacity() + coarse_.capacity()) * sizeof(Pixel); }
 
  private:
@@ -76,8 +77,7 @@ void BeamImage::for_beams_near(const geometry::Vec3f& center, float radius, floa
       const Pixel& beam = face[v * side + u];
       if (beam.range_sq < least_sq) continue;
       const float* p = points_ + beam.point * stride_;
-      const float range = std::sqrt(beam.range_sq), scale = 1.0f / range;
-      if (visit(geometry::Vec3f(p[0] * scale, p[1] * scale, p[2] * scale), std::min(range, farthest_m_))) return;
+      if (visit(geometry::Vec3f(p[0], p[1], p[2]), beam.range_sq)) return;
     }
   }
 }

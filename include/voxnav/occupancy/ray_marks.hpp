@@ -36,11 +36,24 @@ class RayMarks {
     std::vector<std::uint16_t> rows;  ///< kRows per block, number b + 16 c where b and c follow the image's axis
     std::vector<std::uint8_t> crossed;
   };
-  struct Line;
-  void mark_run(Image* image, const Line& line, std::uint32_t row, int first, int last);
+  /// Where in an image the rows of a coordinate lie, for each role that its axis can have. Coordinates from -1 to one
+  /// beyond the box: rounding may lead a ray there.
+  class RowTable {
+   public:
+    void build(int num_blocks, std::uint32_t block_stride, std::uint32_t inside);
+    std::uint32_t operator[](int cell) const { return rows_[static_cast<std::size_t>(cell + 1)]; }
+
+   private:
+    std::vector<std::uint32_t> rows_;
+  };
+  struct ShortAxis;
+  ShortAxis short_axis(int axis, const RowTable& rows, int a, const geometry::Vec3& from,
+                       const geometry::Vec3& to) const;
+  static void mark_run(Image* image, std::uint32_t block_stride, std::uint32_t row, int first, int last);
 
   const ScanBox* box_ = nullptr;
   std::array<Image, 3> images_;
+  std::array<RowTable, 3> second_, third_;  ///< per axis, when it follows the image's axis or the one after it
 };
 
 }  // namespace voxnav::occupancy

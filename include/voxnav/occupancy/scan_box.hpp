@@ -20,6 +20,8 @@ class ScanBox {
               static_cast<std::uint32_t>(high.z - low.z + 1)} {}
 
   std::uint32_t num_blocks() const { return size_[0] * size_[1] * size_[2]; }
+  /// Blocks along an axis.
+  std::uint32_t size(int axis) const { return size_[static_cast<std::size_t>(axis)]; }
   /// Blocks from one to its neighbour on an axis.
   std::uint32_t block_stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_[0] : size_[0] * size_[1]; }
   /// From the window's corner, in voxels.

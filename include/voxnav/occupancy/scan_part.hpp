@@ -46,9 +46,8 @@ struct PointSum {
 
 /// Points of one voxel that came one after the other: neighbouring beams mostly end together, so most of the sorting
 /// is done before any voxel is looked up.
-struct EndRun {
-  PointSum sum;
-  geometry::Index3 voxel;
+struct EndRun : PointSum {  // derived, so that the voxel lies where the sum has padding
+  geometry::Index3 voxel{-1, -1, -1};
 };
 
 /// What one thread made of its part of a scan.

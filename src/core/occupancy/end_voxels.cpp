@@ -82,7 +82,7 @@ void EndVoxels::finish() {
       const Block& block = blocks_[address.block];
       const std::uint32_t word = address.offset >> 6;
       const std::uint64_t below = (std::uint64_t{1} << (address.offset & 63)) - 1;
-      sums_[block.first_hit + block.hits_before[word] + count_bits(block.hits[word] & below)].add(run.sum);
+      sums_[block.first_hit + block.hits_before[word] + count_bits(block.hits[word] & below)].add(run);
     }
   }
   hits_.reserve(sums_.size());

@@ -12,6 +12,9 @@ namespace {
 
 /// Rays end at least this far inside the window, so that rounding to float never leads out of it.
 constexpr float kBorderVoxels = 1.0f;
+/// What a thread takes at a time: enough that neighbouring rays, which mark the same words, stay together.
+constexpr std::size_t kRaysAtOnce = 512;
+constexpr std::size_t kBlocksAtOnce = 8;
 constexpr double kZeroRangeM = 1e-6;
 constexpr double kMaxCells = 5e8;
 
@@ -161,18 +164,16 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
   box_ = ScanBox(window_.num_blocks(), low, high);
   const std::size_t hits = ends_.hits().size();
   const std::size_t clearing = ends_.clearing_ends().size();
+  const auto end_of = [&](std::size_t i) -> geometry::Vec3f {
+    if (i < hits) return ends_.center_of(ends_.hits()[i]) + ends_.hits()[i].points.mean;
+    return i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing];
+  };
+  base::SharedItems rays(hits + clearing + no_return_ends_.size(), kRaysAtOnce);
   workers_->run([&](int worker) {
     RayMarks& marks = marks_[static_cast<std::size_t>(worker)];
     marks.begin(box_);
-    const base::Share share = base::share_of(hits + clearing + no_return_ends_.size(), worker, workers_->size());
-    for (std::size_t i = share.begin; i < share.end; ++i) {
-      if (i < hits) {
-        const HitVoxel& hit = ends_.hits()[i];
-        marks.cast(ends_.center_of(hit) + hit.points.mean, origin);
-      } else {
-        marks.cast(i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing],
-                   origin);
-      }
+    for (base::Share share; rays.next(&share);) {
+      for (std::size_t i = share.begin; i < share.end; ++i) marks.cast(end_of(i), origin);
     }
   });
 }
@@ -205,11 +206,14 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
                         static_cast<float>(config_.guard_end_voxels), config_.guard_octants, config_.guard_patience};
   const SurfaceSight sight(beams_, frame, static_cast<float>(config_.resolution_m), guard);
   std::vector<BlockUpdate> updates(parts_.size());
+  base::SharedItems blocks(box_.num_blocks(), kBlocksAtOnce);
   workers_->run([&](int worker) {
     BlockUpdate sum;
-    const auto step = static_cast<std::uint32_t>(workers_->size());
-    for (auto block = static_cast<std::uint32_t>(worker); block < box_.num_blocks(); block += step) {
-      if (is_crossed(block)) sum += update_slot(block, sight);
+    for (base::Share share; blocks.next(&share);) {
+      for (std::size_t i = share.begin; i < share.end; ++i) {
+        const auto block = static_cast<std::uint32_t>(i);
+        if (is_crossed(block)) sum += update_slot(block, sight);
+      }
     }
     updates[static_cast<std::size_t>(worker)] = sum;
   });

@@ -31,7 +31,7 @@ void ScanPart::add(const float* points, std::size_t n, std::size_t stride, const
 void ScanPart::add_chunk(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
   const float nearest_sq = frame.nearest_m * frame.nearest_m;
   const float farthest_sq = frame.farthest_m * frame.farthest_m;
-  EndRun run{{}, {-1, -1, -1}};
+  EndRun run;
   const auto flush = [&] {
     if (run.voxel.x >= 0) runs_.push_back(run);
   };
@@ -48,11 +48,12 @@ void ScanPart::add_chunk(const float* points, std::size_t n, std::size_t stride,
     const geometry::Index3 voxel{static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z())};
     if (voxel != run.voxel) {
       flush();
-      run = {{}, voxel};
+      run = EndRun{};
+      run.voxel = voxel;
     }
-    run.sum.add(geometry::Vec3f(end.x() - (static_cast<float>(voxel.x) + 0.5f),
-                                end.y() - (static_cast<float>(voxel.y) + 0.5f),
-                                end.z() - (static_cast<float>(voxel.z) + 0.5f)));
+    run.add(geometry::Vec3f(end.x() - (static_cast<float>(voxel.x) + 0.5f),
+                            end.y() - (static_cast<float>(voxel.y) + 0.5f),
+                            end.z() - (static_cast<float>(voxel.z) + 0.5f)));
   }
   flush();
 }

@@ -2,6 +2,7 @@
 #include "voxnav/occupancy/surface_leaves.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "voxnav/occupancy/byte_ops.hpp"
 
@@ -10,7 +11,9 @@ namespace voxnav::occupancy {
 namespace {
 
 /// std::lrint() is a call without -fno-math-errno; halves away from zero.
-std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + (value < 0.0f ? -0.5f : 0.5f)); }
+std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + std::copysign(0.5f, value)); }
+
+constexpr float kCovarianceUnit = 1.0f / SurfaceLeaf::kCovarianceUnits;  // divisions are slow
 
 }  // namespace
 
@@ -32,7 +35,7 @@ void SurfaceLeaf::add_scan(const PointSpread& hits) {
   for (int row = 0; row < 3; ++row) {
     for (int column = row; column < 3; ++column, ++i) {
       // Covariance of a mixture of two sets of points.
-      const float old = static_cast<float>(covariance[i]) / kCovarianceUnits;
+      const float old = static_cast<float>(covariance[i]) * kCovarianceUnit;
       const float mixed = (1.0f - share) * (old + share * moved[row] * moved[column]) + share * hits.covariance[i];
       covariance[i] = rounded(std::clamp(mixed, -0.25f, 0.25f) * kCovarianceUnits);
     }
@@ -49,7 +52,7 @@ bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
 
 float SurfaceLeaf::squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction,
                                     float least_spread) const {
-  const auto entry = [&](int i) { return static_cast<float>(covariance[i]) / kCovarianceUnits; };
+  const auto entry = [&](int i) { return static_cast<float>(covariance[i]) * kCovarianceUnit; };
   const float least = least_spread * least_spread;
   const float xx = entry(0) + least, xy = entry(1), xz = entry(2);
   const float yy = entry(3) + least, yz = entry(4), zz = entry(5) + least;

@@ -31,8 +31,14 @@ bool SurfaceSight::refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) con
   const geometry::Vec3f to_center = center - origin_;
   const geometry::Vec3f center_L = rotation_.transpose() * to_center * resolution_m_;
   const float shortest = to_center.norm() + guard_.end_voxels - kHalfDiagonal;
-  const auto look = [&](const geometry::Vec3f& direction_L, float length) {
-    leaf->octants |= octants_seen(to_center, *leaf, rotation_ * direction_L, length / resolution_m_);
+  const float reach_sq = kHalfDiagonal * kHalfDiagonal * resolution_m_ * resolution_m_;
+  const auto look = [&](const geometry::Vec3f& end_L, float range_sq) {
+    // Most beams in the square of pixels around a voxel pass it by, which costs less to see than where they went.
+    const geometry::Vec3f at_L = (center_L.dot(end_L) / range_sq) * end_L - center_L;
+    if (at_L.squaredNorm() > reach_sq) return false;
+    const float range = std::sqrt(range_sq);
+    leaf->octants |= octants_seen(to_center, *leaf, rotation_ * (end_L / range),
+                                  std::min(range, beams_.longest_m()) / resolution_m_);
     return leaf->octants == 0xFF;
   };
   beams_.for_beams_near(center_L, 0.6f * resolution_m_, shortest * resolution_m_, look);

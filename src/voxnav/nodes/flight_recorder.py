@@ -17,6 +17,7 @@ import voxnav
 from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus
 from voxnav.nodes.clouds import points_from_msg
 
+TRAJECTORY = "submap_optimizer/trajectory"
 NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer",
          "planning_manager")
 
@@ -45,7 +46,7 @@ class FlightRecorder:
         self.reasons = []  # of the planner, in order, each change once
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
         rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=50)
-        rospy.Subscriber("submap_optimizer/trajectory", Path, self._on_trajectory, queue_size=1)
+        self._trajectory = rospy.Subscriber(TRAJECTORY, Path, self._on_trajectory, queue_size=1)
         rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=10)
         rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
         rospy.Subscriber("control_manager/diagnostics", ControlManagerDiagnostics, self._on_control, queue_size=5)
@@ -190,10 +191,13 @@ class FlightRecorder:
         return float(stamps[-1]) if len(stamps) else 0.0
 
     def optimise(self, timeout_s):
-        """Ask for a last solve, so that the whole flight is in the map."""
+        """Ask for a last solve, so that the whole flight is in the map; its trajectory is the one that is kept."""
         try:
             rospy.wait_for_service("submap_optimizer/optimize", timeout_s)
             rospy.ServiceProxy("submap_optimizer/optimize", Trigger)()
+            # The topic is latched: who comes anew gets the last one, and none that is still on its way.
+            self._trajectory.unregister()
+            self._on_trajectory(rospy.wait_for_message(TRAJECTORY, Path, timeout_s))
         except (rospy.ROSException, rospy.ServiceException) as error:
             rospy.logwarn("no final optimisation: %s", error)
 

@@ -8,7 +8,9 @@
 
 #include "voxnav/base/worker_pool.hpp"
 
+using voxnav::base::Share;
 using voxnav::base::share_of;
+using voxnav::base::SharedItems;
 using voxnav::base::WorkerPool;
 
 TEST(WorkerPool, EveryWorkerIsCalledOncePerRound) {
@@ -76,5 +78,19 @@ TEST(WorkerPool, SharesCoverEverythingOnceInOrder) {
       }
       EXPECT_EQ(next, count);
     }
+  }
+}
+
+TEST(SharedItems, AreHandedOutOnceWhoeverAsks) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{1000}}) {
+    WorkerPool pool(4);
+    SharedItems items(count, 3);
+    std::vector<std::atomic<int>> taken(count);
+    pool.run([&](int) {
+      for (Share share; items.next(&share);) {
+        for (std::size_t i = share.begin; i < share.end; ++i) ++taken[i];
+      }
+    });
+    for (const auto& times : taken) EXPECT_EQ(times, 1);
   }
 }
