@@ -159,6 +159,8 @@ void bind_outputs(py::class_<LocalMap>& cls) {
           "free_centers", [](const LocalMap& m, double threshold) { return array_from(m.centers_below(threshold), 3); },
           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
+      .def("hand_over", &LocalMap::hand_over,
+           "The same, after which own hits of the content (those a submap is registered by) are counted anew.")
       .def("take_evicted", &LocalMap::take_evicted, "What left the window since the last call, as MapContent.")
       .def("to_bytes", [](const LocalMap& m) { return py::bytes(m.to_bytes()); })
       .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))

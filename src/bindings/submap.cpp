@@ -14,6 +14,7 @@
 #include "floors.hpp"
 #include "submap_collection.hpp"
 #include "voxnav/submap/mesh.hpp"
+#include "voxnav/submap/own_surface.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 
 namespace voxnav::bindings {
@@ -37,6 +38,12 @@ std::shared_ptr<Submap> from_local_map(const py::object& map, const py::array& T
   const auto& content = content_object.cast<const MapContent&>();
   py::gil_scoped_release release;
   return Submap::from_content(content, pose.inverse(Eigen::Isometry), config);
+}
+
+std::shared_ptr<geometry::DistanceField> registration_field_of(const std::shared_ptr<Submap>& submap) {
+  py::gil_scoped_release release;
+  // pybind11 holders are not const; fields have no method that changes them.
+  return std::const_pointer_cast<geometry::DistanceField>(submap::registration_field(submap));
 }
 
 /// Surface points of occupied voxels, one row each; none at all means voxel centres.
@@ -106,7 +113,10 @@ MapContent content_from_array(const py::array& states, const py::object& origin,
     block.index = geometry::block_of(voxel);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
     block.states.set(offset, static_cast<containers::State>(data[i]));
-    if (data[i] == 2) block.occupied.push_back({offset, rows.next(voxel), static_cast<std::uint8_t>(hits)});
+    if (data[i] != 2) continue;
+    const auto mean = rows.next(voxel);
+    const auto num_hits = static_cast<std::uint8_t>(hits);
+    block.occupied.push_back({offset, mean, num_hits, mean, num_hits});
   }
   rows.check_all_used();
   return content_of(std::move(blocks), resolution_m);
@@ -162,6 +172,8 @@ void bind_one_submap(py::module_& m) {
       .def(
           "mesh", [](const Submap& s) { return mesh_tuple(submap::extract_mesh(s)); },
           "(vertices (k, 3) float32 [m, frame S], triangles (t, 3) uint32), counter-clockwise seen from free space.")
+      .def("registration_field", &registration_field_of,
+           "DistanceField to register this submap by: what it saw itself, without what its local map remembered.")
       .def_property_readonly("memory_bytes", &Submap::memory_bytes)
       .def_property_readonly("T_S_G", [](const Submap& s) { return pose_array(s.T_S_G()); })
       .def(

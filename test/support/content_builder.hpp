@@ -23,6 +23,12 @@ class ContentBuilder {
                     int hits = 10) {
     put(voxel, containers::State::kOccupied, offset, hits);
   }
+  /// An occupied voxel that was only remembered, as far as registration is concerned, or seen elsewhere by the submap.
+  void set_own(const geometry::Index3& voxel, const geometry::Vec3& offset, int hits) {
+    occupancy::OccupiedLeaf& leaf = voxels_.at(voxel).leaf;
+    for (int k = 0; k < 3; ++k) leaf.own_mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
+    leaf.own_hits = static_cast<std::uint8_t>(hits);
+  }
   bool is_set(const geometry::Index3& voxel) const { return voxels_.count(voxel) != 0; }
 
   occupancy::MapContent build() const {
@@ -54,6 +60,8 @@ class ContentBuilder {
     Voxel value{state, {}};
     for (int k = 0; k < 3; ++k) value.leaf.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
     value.leaf.hits = static_cast<std::uint8_t>(hits);
+    value.leaf.own_mean = value.leaf.mean;
+    value.leaf.own_hits = value.leaf.hits;
     voxels_[voxel] = value;
   }
 

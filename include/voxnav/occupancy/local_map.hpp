@@ -95,6 +95,8 @@ class LocalMap {
   std::vector<float> centers_below(double probability) const;
 
   MapContent content() const;
+  /// The same, after which own hits of the content are counted anew. What is known, and what is believed, stay.
+  MapContent hand_over();
   /// What left the window since the last call. Bounded by max_evicted_blocks.
   MapContent take_evicted();
   std::size_t num_evicted_pending() const { return evicted_.size(); }

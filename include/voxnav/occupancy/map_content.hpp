@@ -17,6 +17,9 @@ struct OccupiedLeaf {
   std::array<std::int8_t, 3>
       mean;           ///< mean hit point from the voxel centre, unit voxel edge / 254 (so +-127 is the face)
   std::uint8_t hits;  ///< scans that hit the voxel, saturates at 255
+  // The same of the hits since the last handover: what the submap saw itself. own_hits = 0: only remembered.
+  std::array<std::int8_t, 3> own_mean{};
+  std::uint8_t own_hits = 0;
 };
 
 /// The known part of one block of 16^3 voxels.

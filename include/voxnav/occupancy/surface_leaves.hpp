@@ -28,6 +28,10 @@ struct SurfaceLeaf {
   std::uint8_t octants = 0;                  ///< octants seen through since the last hit
   std::uint8_t seen_through = 0;             ///< scans that saw through the surface since the last hit
   std::uint8_t patience = 0;                 ///< most of these that a later hit ever refuted: leaves let beams through
+  // Beside the rest, which decides what is believed and is never reset: hits since the last handover alone. Submaps are
+  // registered by these, because what two of them share by copy says nothing about where they lie.
+  std::array<std::int16_t, 3> recent_mean{};  ///< as `mean`
+  std::uint16_t recent_scans = 0;             ///< saturates
 
   static constexpr float kMeanUnits = 32000.0f;
   static constexpr float kCovarianceUnits = 120000.0f;  ///< points in a voxel spread by a quarter at most
@@ -55,6 +59,8 @@ class SurfaceLeaves {
   SurfaceLeaf* find(int offset) { return contains(offset) ? &leaves_[rank(offset)] : nullptr; }
   /// Afterwards exactly the voxels of `bits` hold a leaf: kept where there was one, else empty. O(block).
   void assign(const VoxelBits& bits);
+  /// Hits count as recent from here on. O(leaves).
+  void begin_handover();
   bool empty() const { return leaves_.empty(); }
   std::size_t size() const { return leaves_.size(); }
   std::size_t heap_bytes() const { return leaves_.capacity() * sizeof(SurfaceLeaf); }

@@ -89,12 +89,17 @@ class CompressedField {
   /// States of the i-th block as columns.
   ColumnBlock columns(std::size_t i) const;
   std::size_t num_leaves() const { return leaves_.size(); }
+  /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
+  /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
+  CompressedField own_surface() const;
+  std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_leaves_.size(); }
   double band() const { return band_; }
   std::size_t memory_bytes() const;
 
   void write(base::ByteWriter* out) const;
   /// @throws std::invalid_argument when the parts do not fit each other
-  static CompressedField read(base::ByteReader* in);
+  /// @param has_own  false: from before own hits were told from remembered ones; then all are taken for own
+  static CompressedField read(base::ByteReader* in, bool has_own);
 
   /// Cells of a block, and voxels of a cell, x fastest.
   static int cell_of(int offset) { return ((offset >> 2) & 3) | ((offset >> 4) & 12) | ((offset >> 6) & 48); }
@@ -130,6 +135,9 @@ class CompressedField {
   Block new_block(const geometry::Index3& index) const;
   void add_block(const occupancy::ContentBlock& content);
   void add_block(const FilledBlock& filled);
+  void add_leaf(const Leaf& leaf, const Leaf& own);
+  bool is_own(std::size_t leaf) const { return (own_bits_[leaf >> 6] >> (leaf & 63)) & 1u; }
+  void read_own(base::ByteReader* in);
   void add_cell(int cell, const CellStates& states, const CellValues* values, Block* block);
   void shrink();
   void link();
@@ -150,7 +158,9 @@ class CompressedField {
   std::vector<std::uint32_t> first_leaf_;  ///< of each of them
   std::vector<CellValues> values_;         ///< of each of them, where distances were measured
   std::vector<Leaf> leaves_;
-  std::vector<std::int32_t> table_;  ///< open addressing: position in blocks_ or -1
+  std::vector<std::uint64_t> own_bits_;  ///< of each leaf: the submap hit it itself; none where distances were measured
+  std::vector<Leaf> own_leaves_;         ///< for those, from the submap's own hits
+  std::vector<std::int32_t> table_;      ///< open addressing: position in blocks_ or -1
 };
 
 /// Surface point of a leaf in voxel edges.

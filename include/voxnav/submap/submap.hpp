@@ -23,6 +23,9 @@ class Submap final : public geometry::DistanceField {
   /// @throws std::invalid_argument on inconsistent content, base::ConfigError on a bad configuration
   static std::shared_ptr<Submap> from_content(const occupancy::MapContent& content, const geometry::Pose& T_S_G,
                                               const SubmapConfig& config);
+  /// From a field that was made before. @throws std::invalid_argument on a bad frame
+  static std::shared_ptr<Submap> from_field(CompressedField field, double resolution_m, const geometry::Pose& T_S_G,
+                                            const SubmapConfig& config);
   /// From blocks that projective filling made; sorted by index.
   Submap(const std::vector<FilledBlock>& blocks, double resolution_m, const geometry::Pose& T_S_G,
          const SubmapConfig& config);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -11,7 +12,10 @@ namespace voxnav::occupancy {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersionWithoutRecent = 2;  ///< leaves end before recent_mean
+
+static_assert(sizeof(SurfaceLeaf) == 30 && offsetof(SurfaceLeaf, recent_mean) == 22, "leaves are written as they are");
 
 void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
   LocalMapConfig::fields(
@@ -36,7 +40,7 @@ void put_block(const OctreeBlock& block, base::ByteWriter* out) {
   }
 }
 
-void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* in) {
+void get_block(OctreeBlock* block, const LogOddsScale& scale, std::size_t leaf_bytes, base::ByteReader* in) {
   block->log_odds = in->get<decltype(block->log_odds)>();
   for (const std::uint8_t level : block->log_odds) {
     if (level > scale.max) in->fail("has a voxel beyond the clamp");
@@ -44,7 +48,7 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* 
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
     for_each_bit(block->leaves.bits()[word],
-                 [&](int bit) { *block->leaves.find(64 * word + bit) = in->get<SurfaceLeaf>(); });
+                 [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), leaf_bytes); });
   }
 }
 
@@ -71,7 +75,9 @@ std::string LocalMap::to_bytes() const {
 LocalMap LocalMap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "local map");
   if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav local map");
-  if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
+  const auto version = in.get<std::uint32_t>();
+  if (version != kVersion && version != kVersionWithoutRecent) in.fail("has a version this program does not know");
+  const std::size_t leaf_bytes = version == kVersion ? sizeof(SurfaceLeaf) : offsetof(SurfaceLeaf, recent_mean);
   LocalMap map(get_config(&in));
   const bool is_placed = in.get<std::uint8_t>() != 0;
   const auto first = in.get<geometry::Index3>();
@@ -82,7 +88,7 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
     const auto slot = in.get<std::int32_t>();
     if (!is_placed || slot < 0 || slot >= map.window_.num_slots()) in.fail("has a block outside its window");
     OctreeBlock& block = map.window_.ensure(slot, map.scale_.prior);
-    get_block(&block, map.scale_, &in);
+    get_block(&block, map.scale_, leaf_bytes, &in);
     block.leaf_flags(map.levels_, &flags);
     block.refresh(flags);
     block.changed_at = 1;

@@ -68,6 +68,14 @@ MapContent LocalMap::content() const {
   return out;
 }
 
+MapContent LocalMap::hand_over() {
+  MapContent out = content();
+  for (int slot = 0; slot < window_.num_slots(); ++slot) {
+    if (window_.at(slot) != nullptr) window_.at(slot)->leaves.begin_handover();
+  }
+  return out;
+}
+
 MapContent LocalMap::take_evicted() {
   MapContent out;
   out.resolution_m = config_.resolution_m;

@@ -12,7 +12,8 @@ namespace {
 using containers::State;
 
 constexpr std::uint32_t kMagic = 0x434D5856;  // "VXMC"
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersionWithoutOwn = 1;  ///< all hits of a voxel in one
 
 /// Voxel by voxel: what `newer` knows wins. O(16^3).
 ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) {
@@ -29,6 +30,29 @@ ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) 
     if (state == State::kOccupied) out.occupied.push_back(newest == State::kUnknown ? *old_leaf : *new_leaf);
   }
   return out;
+}
+
+void put_leaf(const OccupiedLeaf& leaf, base::ByteWriter* out) {
+  out->put(leaf.offset);
+  out->put(leaf.mean);
+  out->put(leaf.hits);
+  out->put(leaf.own_hits);
+  if (leaf.own_hits > 0) out->put(leaf.own_mean);
+}
+
+OccupiedLeaf get_leaf(std::uint32_t version, base::ByteReader* in) {
+  OccupiedLeaf leaf;
+  leaf.offset = in->get<std::uint16_t>();
+  leaf.mean = in->get<std::array<std::int8_t, 3>>();
+  leaf.hits = in->get<std::uint8_t>();
+  if (version == kVersionWithoutOwn) {
+    leaf.own_mean = leaf.mean;
+    leaf.own_hits = leaf.hits;
+    return leaf;
+  }
+  leaf.own_hits = in->get<std::uint8_t>();
+  if (leaf.own_hits > 0) leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
+  return leaf;
 }
 
 void check_leaves(const ContentBlock& block, const base::ByteReader& reader) {
@@ -90,11 +114,7 @@ std::string MapContent::to_bytes() const {
     out.put(block.index);
     out.put(block.states);
     out.put<std::uint64_t>(block.occupied.size());
-    for (const OccupiedLeaf& leaf : block.occupied) {
-      out.put(leaf.offset);
-      out.put(leaf.mean);
-      out.put(leaf.hits);
-    }
+    for (const OccupiedLeaf& leaf : block.occupied) put_leaf(leaf, &out);
   }
   return out.finish();
 }
@@ -102,7 +122,8 @@ std::string MapContent::to_bytes() const {
 MapContent MapContent::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "map content");
   if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map content");
-  if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
+  const auto version = in.get<std::uint32_t>();
+  if (version != kVersion && version != kVersionWithoutOwn) in.fail("has a version this program does not know");
   MapContent out;
   out.resolution_m = in.get<double>();
   if (!(out.resolution_m > 0.0)) in.fail("has no positive resolution");
@@ -114,11 +135,7 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
     block.index = in.get<geometry::Index3>();
     block.states = in.get<containers::StateBlock>();
     block.occupied.resize(in.get_count(kLeafBytes));
-    for (OccupiedLeaf& leaf : block.occupied) {
-      leaf.offset = in.get<std::uint16_t>();
-      leaf.mean = in.get<std::array<std::int8_t, 3>>();
-      leaf.hits = in.get<std::uint8_t>();
-    }
+    for (OccupiedLeaf& leaf : block.occupied) leaf = get_leaf(version, &in);
     check_leaves(block, in);
   }
   const auto less = [](const ContentBlock& a, const ContentBlock& b) { return a.index < b.index; };

@@ -19,12 +19,17 @@ constexpr float kCovarianceUnit = 1.0f / SurfaceLeaf::kCovarianceUnits;  // divi
 
 void SurfaceLeaf::add_scan(const PointSpread& hits) {
   if (scans < 255) ++scans;
+  if (recent_scans < 65535) ++recent_scans;
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
+  const float recent_share = 1.0f / static_cast<float>(recent_scans);
   geometry::Vec3f moved;
   for (int axis = 0; axis < 3; ++axis) {
     const float old = static_cast<float>(mean[axis]) * (0.5f / kMeanUnits);
-    moved[axis] = std::clamp(hits.mean[axis], -0.5f, 0.5f) - old;
+    const float hit = std::clamp(hits.mean[axis], -0.5f, 0.5f);
+    moved[axis] = hit - old;
     mean[axis] = rounded((old + share * moved[axis]) * (2.0f * kMeanUnits));
+    const float recent = static_cast<float>(recent_mean[axis]);
+    recent_mean[axis] = rounded(recent + recent_share * (hit * (2.0f * kMeanUnits) - recent));
   }
   int i = 0;
   for (int row = 0; row < 3; ++row) {
@@ -63,13 +68,25 @@ float SurfaceLeaf::squared_distance(const geometry::Vec3f& to_mean, const geomet
 }
 
 OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block) const {
+  const auto in_bytes = [](std::int16_t value) {
+    return static_cast<std::int8_t>(rounded(static_cast<float>(value) * (127.0f / kMeanUnits)));
+  };
   OccupiedLeaf leaf;
   leaf.offset = static_cast<std::uint16_t>(offset_in_block);
   for (int axis = 0; axis < 3; ++axis) {
-    leaf.mean[axis] = static_cast<std::int8_t>(rounded(static_cast<float>(mean[axis]) * (127.0f / kMeanUnits)));
+    leaf.mean[axis] = in_bytes(mean[axis]);
+    leaf.own_mean[axis] = in_bytes(recent_mean[axis]);
   }
   leaf.hits = scans;
+  leaf.own_hits = static_cast<std::uint8_t>(std::min<int>(recent_scans, 255));
   return leaf;
+}
+
+void SurfaceLeaves::begin_handover() {
+  for (SurfaceLeaf& leaf : leaves_) {
+    leaf.recent_mean = {};
+    leaf.recent_scans = 0;
+  }
 }
 
 void SurfaceLeaves::assign(const VoxelBits& bits) {

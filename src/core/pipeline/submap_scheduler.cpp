@@ -87,14 +87,14 @@ std::vector<Handover> SubmapScheduler::add_scan(occupancy::LocalMap* map, base::
   add_evicted(map->take_evicted());
   if (std::optional<Handover> early = take_early()) out.push_back(std::move(*early));
   if (!reason) return out;
-  if (std::optional<Handover> closed = close(*reason, map->content())) out.push_back(std::move(*closed));
+  if (std::optional<Handover> closed = close(*reason, map->hand_over())) out.push_back(std::move(*closed));
   return out;
 }
 
 std::vector<Handover> SubmapScheduler::finish(occupancy::LocalMap* map, const std::string& reason) {
   std::vector<Handover> out;
   add_evicted(map->take_evicted());
-  if (std::optional<Handover> closed = close(reason, map->content())) out.push_back(std::move(*closed));
+  if (std::optional<Handover> closed = close(reason, map->hand_over())) out.push_back(std::move(*closed));
   return out;
 }
 

@@ -16,18 +16,28 @@ using geometry::Index3;
 /// Rounds -127 to 127 without a call.
 std::int8_t rounded(double value) { return static_cast<std::int8_t>(static_cast<int>(value + 128.5) - 128); }
 
+struct LeafPair {
+  CompressedField::Leaf leaf;
+  CompressedField::Leaf own;  ///< no hits: the voxel is only remembered
+};
+
+std::array<std::int8_t, 3> clamped(const std::array<std::int8_t, 3>& mean) {
+  std::array<std::int8_t, 3> out;
+  for (std::size_t k = 0; k < 3; ++k) out[k] = std::max<std::int8_t>(mean[k], -127);
+  return out;
+}
+
 /// Leaves of a block cell by cell, in the order of their voxels, which is also that of their offsets.
-std::array<std::vector<CompressedField::Leaf>, 64> leaves_by_cell(const occupancy::ContentBlock& block) {
-  std::array<std::vector<CompressedField::Leaf>, 64> out;
+std::array<std::vector<LeafPair>, 64> leaves_by_cell(const occupancy::ContentBlock& block) {
+  std::array<std::vector<LeafPair>, 64> out;
   int last = -1;
   for (const occupancy::OccupiedLeaf& leaf : block.occupied) {
     const bool fits =
         leaf.offset < geometry::kBlockVolume && leaf.offset > last && block.states.get(leaf.offset) == State::kOccupied;
     if (!fits) throw std::invalid_argument("map content has leaves that do not match its states");
     last = leaf.offset;
-    std::array<std::int8_t, 3> mean;
-    for (std::size_t k = 0; k < 3; ++k) mean[k] = std::max<std::int8_t>(leaf.mean[k], -127);
-    out[static_cast<std::size_t>(CompressedField::cell_of(leaf.offset))].push_back({mean, leaf.hits});
+    out[static_cast<std::size_t>(CompressedField::cell_of(leaf.offset))].push_back(
+        {{clamped(leaf.mean), leaf.hits}, {clamped(leaf.own_mean), leaf.own_hits}});
   }
   return out;
 }
@@ -65,6 +75,8 @@ void CompressedField::shrink() {
   near_.shrink_to_fit();
   values_.shrink_to_fit();
   leaves_.shrink_to_fit();
+  own_bits_.shrink_to_fit();
+  own_leaves_.shrink_to_fit();
 }
 
 int CompressedField::count_occupied(const CellStates& states) {
@@ -85,18 +97,18 @@ void CompressedField::add_block(const occupancy::ContentBlock& content) {
   Block block = new_block(content.index);
   std::array<std::uint8_t, geometry::kBlockVolume / 4> bytes;
   std::memcpy(bytes.data(), content.states.words.data(), bytes.size());
-  std::array<std::vector<Leaf>, kCells> by_cell = leaves_by_cell(content);
+  const std::array<std::vector<LeafPair>, kCells> by_cell = leaves_by_cell(content);
   for (int cell = 0; cell < kCells; ++cell) {
     std::array<std::uint8_t, 16> moved;
     const std::uint8_t* from = &bytes[static_cast<std::size_t>(offset_of(cell, 0) / 4)];
     for (std::size_t row = 0; row < moved.size(); ++row) moved[row] = from[(row & 3) * 4 + (row >> 2) * 64];
     CellStates states;
     std::memcpy(states.data(), moved.data(), moved.size());
-    const std::vector<Leaf>& leaves = by_cell[static_cast<std::size_t>(cell)];
+    const std::vector<LeafPair>& leaves = by_cell[static_cast<std::size_t>(cell)];
     if (count_occupied(states) != static_cast<int>(leaves.size()))
       throw std::invalid_argument("map content has leaves that do not match its states");
     add_cell(cell, states, nullptr, &block);
-    leaves_.insert(leaves_.end(), leaves.begin(), leaves.end());
+    for (const LeafPair& pair : leaves) add_leaf(pair.leaf, pair.own);
   }
   blocks_.push_back(block);
 }

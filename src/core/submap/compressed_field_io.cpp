@@ -20,6 +20,9 @@ void CompressedField::write(base::ByteWriter* out) const {
   out->put_raw(values_.data(), values_.size() * sizeof(CellValues));
   out->put<std::uint64_t>(leaves_.size());
   out->put_raw(leaves_.data(), leaves_.size() * sizeof(Leaf));
+  out->put<std::uint64_t>(own_leaves_.size());
+  out->put_raw(own_leaves_.data(), own_leaves_.size() * sizeof(Leaf));
+  out->put_raw(own_bits_.data(), own_bits_.size() * sizeof(std::uint64_t));
 }
 
 /// Gives each block its first records; they are used in order, each once.
@@ -44,7 +47,7 @@ void CompressedField::place_records(const base::ByteReader& in) {
   if (next_states != states_.size() || next_near != near_.size()) in.fail("has cells that do not match its blocks");
 }
 
-CompressedField CompressedField::read(base::ByteReader* in) {
+CompressedField CompressedField::read(base::ByteReader* in, bool has_own) {
   CompressedField field;
   constexpr double kWidestBand = 6.0;  // as SubmapConfig allows: the windows that distances are derived in hold no more
   field.band_ = in->get<double>();
@@ -66,8 +69,14 @@ CompressedField CompressedField::read(base::ByteReader* in) {
     field.values_.resize(field.near_.size());
     in->get_raw(field.values_.data(), field.values_.size() * sizeof(CellValues));
   }
-  field.leaves_.resize(in->get_count(sizeof(Leaf)));
-  in->get_raw(field.leaves_.data(), field.leaves_.size() * sizeof(Leaf));
+  std::vector<Leaf> leaves(in->get_count(sizeof(Leaf)));
+  in->get_raw(leaves.data(), leaves.size() * sizeof(Leaf));
+  if (has_own || field.has_values_) {
+    field.leaves_ = std::move(leaves);
+  } else {
+    for (const Leaf& leaf : leaves) field.add_leaf(leaf, leaf);
+  }
+  if (has_own) field.read_own(in);
   field.place_records(*in);
   field.check(*in);
   field.link();

@@ -54,12 +54,18 @@ std::shared_ptr<Submap> Submap::from_content(const occupancy::MapContent& conten
                                              const SubmapConfig& config) {
   base::checked(config);
   check_frame(content.resolution_m, T_S_G);
+  return from_field(CompressedField(content, config.band_voxels), content.resolution_m, T_S_G, config);
+}
+
+std::shared_ptr<Submap> Submap::from_field(CompressedField field, double resolution_m, const geometry::Pose& T_S_G,
+                                           const SubmapConfig& config) {
+  check_frame(resolution_m, T_S_G);
   std::shared_ptr<Submap> out(new Submap());
-  out->resolution_m_ = content.resolution_m;
+  out->resolution_m_ = resolution_m;
   out->config_ = config;
   out->T_S_G_ = T_S_G;
   out->T_G_S_ = T_S_G.inverse(Eigen::Isometry);
-  out->take_field(CompressedField(content, config.band_voxels));
+  out->take_field(std::move(field));
   return out;
 }
 

@@ -36,8 +36,8 @@ def record_from_msg(msg):
 
 
 def field_from_msg(msg):
-    """voxnav.Submap, or None when the message carries no distances. Raises ValueError for damaged bytes."""
-    return voxnav.Submap.from_bytes(bytes(msg.data)) if len(msg.data) else None
+    """What the submap is registered by, or None when the message carries none. Raises ValueError for damaged bytes."""
+    return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field() if len(msg.data) else None
 
 
 def loop_from_msg(msg):

@@ -25,9 +25,12 @@ MapContent random_content(unsigned seed) {
       block.states.set(offset, state);
       if (state != State::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
-      block.occupied.push_back({static_cast<std::uint16_t>(offset),
-                                {signed_byte(), signed_byte(), signed_byte()},
-                                static_cast<std::uint8_t>(rng() % 256)});
+      occupancy::OccupiedLeaf leaf{static_cast<std::uint16_t>(offset),
+                                   {signed_byte(), signed_byte(), signed_byte()},
+                                   static_cast<std::uint8_t>(rng() % 256)};
+      leaf.own_hits = static_cast<std::uint8_t>(rng() % 3);
+      if (leaf.own_hits > 0) leaf.own_mean = {signed_byte(), signed_byte(), signed_byte()};
+      block.occupied.push_back(leaf);
     }
     content.blocks.push_back(block);
   }

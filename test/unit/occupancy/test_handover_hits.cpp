@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "scan_maker.hpp"
+#include "voxnav/base/bytes.hpp"
+#include "voxnav/occupancy/local_map.hpp"
+
+using namespace voxnav;  // NOLINT: test
+using geometry::Vec3;
+using occupancy::LocalMap;
+using occupancy::MapContent;
+using occupancy::OccupiedLeaf;
+using test::insert_from;
+
+namespace {
+
+const Vec3 kOrigin(0.2, 0.2, 0.2);
+
+occupancy::LocalMapConfig small_config() {
+  occupancy::LocalMapConfig config;
+  config.window_size_m = {40, 40, 20};
+  return config;
+}
+
+OccupiedLeaf leaf_at(const MapContent& content, const Vec3& p) {
+  const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
+  for (const auto& block : content.blocks) {
+    if (block.index != geometry::block_of(voxel)) continue;
+    for (const OccupiedLeaf& leaf : block.occupied) {
+      if (leaf.offset == geometry::offset_in_block(voxel)) return leaf;
+    }
+  }
+  ADD_FAILURE() << "no occupied voxel at " << p.transpose();
+  return {};
+}
+
+std::size_t num_own(const MapContent& content) {
+  std::size_t count = 0;
+  for (const auto& block : content.blocks) {
+    for (const OccupiedLeaf& leaf : block.occupied) count += leaf.own_hits > 0;
+  }
+  return count;
+}
+
+/// Content with own hits left out: what obstacles, distances and evidence are made from.
+std::string remembered(MapContent content) {
+  for (auto& block : content.blocks) {
+    for (OccupiedLeaf& leaf : block.occupied) {
+      leaf.own_mean = {};
+      leaf.own_hits = 0;
+    }
+  }
+  return content.to_bytes();
+}
+
+}  // namespace
+
+TEST(HandoverHits, OnlyHitsSinceTheLastHandoverAreOwn) {
+  const Vec3 first(5.05, 0.2, 0.2);
+  const Vec3 moved(5.15, 0.2, 0.2);  // the same surface as a drifted pose sees it; same voxel
+  const Vec3 other(0.2, 6.05, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
+  const MapContent before = map.hand_over();
+  EXPECT_EQ(num_own(before), 2u);
+  EXPECT_EQ(leaf_at(before, first).own_mean, leaf_at(before, first).mean);
+  for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {moved});
+  const MapContent after = map.hand_over();
+  EXPECT_EQ(num_own(after), 1u);
+  const OccupiedLeaf leaf = leaf_at(after, moved);
+  EXPECT_EQ(leaf.hits, 20);
+  EXPECT_EQ(leaf.own_hits, 10);
+  EXPECT_NEAR((leaf.own_mean[0] - leaf.mean[0]) * 0.4 / 254.0, 0.05, 0.003);
+  EXPECT_EQ(num_own(map.content()), 0u);
+}
+
+TEST(HandoverHits, NothingThatIsBelievedChanges) {
+  LocalMap with(small_config());
+  LocalMap without(small_config());
+  for (unsigned i = 0; i < 60; ++i) {
+    // Thin things seen now and then, from places that move on: what handovers must not make anybody forget.
+    const Vec3 origin(0.2 + 0.15 * i, 0.2, 0.2);
+    const auto points = test::random_points(i % 7, 400, Vec3(6.0, 0.0, 0.5), 9.0);
+    insert_from(&with, origin, points);
+    insert_from(&without, origin, points);
+    if (i % 5 == 4) with.hand_over();
+  }
+  EXPECT_EQ(remembered(with.content()), remembered(without.content()));
+  EXPECT_LT(num_own(with.content()), num_own(without.content()));
+  EXPECT_EQ(with.centers_above(0.5), without.centers_above(0.5));
+  EXPECT_EQ(with.centers_below(0.3), without.centers_below(0.3));
+}
+
+TEST(HandoverHits, CountersSaturate) {
+  const Vec3 p(5.05, 0.2, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 400; ++i) insert_from(&map, kOrigin, {p});
+  map.hand_over();
+  for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, {p});
+  EXPECT_EQ(leaf_at(map.content(), p).hits, 255);
+  EXPECT_EQ(leaf_at(map.content(), p).own_hits, 3);
+}
+
+TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
+  const Vec3 seen(5.05, 0.2, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
+  map.hand_over();
+  for (int i = 0; i < 4; ++i) insert_from(&map, kOrigin, {seen});
+  insert_from(&map, Vec3(60.2, 0.2, 0.2), {});
+  EXPECT_EQ(leaf_at(map.take_evicted(), seen).own_hits, 4);
+}
+
+TEST(HandoverHits, ContentOfBeforeCountsAllHitsAsOwn) {
+  base::ByteWriter old;
+  old.put<std::uint32_t>(0x434D5856);
+  old.put<std::uint32_t>(1);
+  old.put(0.4);
+  old.put<std::uint64_t>(1);
+  old.put(geometry::Index3{1, 2, 3});
+  containers::StateBlock states;
+  states.set(7, containers::State::kOccupied);
+  old.put(states);
+  old.put<std::uint64_t>(1);
+  old.put<std::uint16_t>(7);
+  old.put(std::array<std::int8_t, 3>{10, -20, 30});
+  old.put<std::uint8_t>(9);
+  const MapContent content = MapContent::from_bytes(old.finish());
+  const OccupiedLeaf& leaf = content.blocks.at(0).occupied.at(0);
+  EXPECT_EQ(leaf.own_hits, 9);
+  EXPECT_EQ(leaf.own_mean, leaf.mean);
+}
