@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav_ros/nodelet_base.hpp"
 
+#include <ros/callback_queue.h>
+
 namespace voxnav_ros {
 
 void NodeletBase::onInit() {
-  ros::NodeHandle& nh = getMTPrivateNodeHandle();
+  // On the process' own queue: a nodelet unloaded while a callback runs ends with that callback, and by then its other
+  // queue is gone, so that a nodelet must keep to one of its two. What all have in common uses neither.
+  ros::NodeHandle nh(getPrivateNodeHandle());
+  nh.setCallbackQueue(ros::getGlobalCallbackQueue());
   name_ = getName().substr(getName().rfind('/') + 1);
   diagnostics_ = std::make_unique<Diagnostics>(name_, nh);
   progress_ = nh.advertise<voxnav::Progress>("progress_out", 50);

@@ -44,7 +44,7 @@ class ByteReader {
   }
   void get_raw(void* data, std::size_t size) {
     if (size > end_ - position_) fail("ends early");
-    std::memcpy(data, bytes_->data() + position_, size);
+    if (size > 0) std::memcpy(data, bytes_->data() + position_, size);  // `data` of an empty vector may be null
     position_ += size;
   }
   /// A count of items of which each takes at least `item_size` bytes: refused when they cannot all be there.

@@ -98,11 +98,11 @@ void BallWindow::copy_to(const Index3& step, Columns* mask) const {
   const auto last = [](int s) { return s > 0 ? kHalo : kBlockSide; };
   const int shift = kHalo + kBlockSide * step.z;
   for (int y = first(step.y); y < last(step.y); ++y) {
-    const std::uint32_t* line =
-        &columns_[static_cast<std::size_t>((y + kBlockSide * step.y + kHalo) * kSide + kBlockSide * step.x + kHalo)];
+    const int line = (y + kBlockSide * step.y + kHalo) * kSide + kBlockSide * step.x + kHalo;
     std::uint16_t* out = &(*mask)[static_cast<std::size_t>(y * kBlockSide)];
     for (int x = first(step.x); x < last(step.x); ++x) {
-      out[x] |= static_cast<std::uint16_t>(shift >= 0 ? line[x] >> shift : line[x] << -shift);
+      const std::uint32_t column = columns_[static_cast<std::size_t>(line + x)];
+      out[x] |= static_cast<std::uint16_t>(shift >= 0 ? column >> shift : column << -shift);
     }
   }
 }
