@@ -14,14 +14,20 @@ using geometry::Vec3;
 
 class Voxnav : public Contestant {
  public:
-  Voxnav(const occupancy::LocalMapConfig& config) : map_(config) {}
+  Voxnav(const occupancy::LocalMapConfig& config, int every) : map_(config), every_(every) {}
   std::string name() const override {
     const int threads = map_.config().num_threads;
+    if (every_ > 1) return "voxnav, 1 of " + std::to_string(every_);
     return threads == 1 ? "voxnav" : "voxnav, " + std::to_string(threads) + " threads";
   }
-  void insert(const FlightScan& scan) override {
-    map_.insert(scan.points.data(), scan.points.size() / 3, 3, scan.T_W_L);
+  void prepare(const FlightScan& scan) override {
+    points_.clear();
+    for (std::size_t i = 0; i < scan.points.size(); i += 3 * static_cast<std::size_t>(every_)) {
+      points_.insert(points_.end(), scan.points.begin() + static_cast<std::ptrdiff_t>(i),
+                     scan.points.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+    }
   }
+  void insert(const FlightScan& scan) override { map_.insert(points_.data(), points_.size() / 3, 3, scan.T_W_L); }
   std::size_t memory_bytes() const override { return map_.memory_bytes(); }
   std::optional<double> probability(const Vec3& point) const override {
     const auto log_odds = map_.log_odds(point);
@@ -33,6 +39,8 @@ class Voxnav : public Contestant {
 
  private:
   occupancy::LocalMap map_;
+  int every_;
+  std::vector<float> points_;
 };
 
 class Octomap : public Contestant {
@@ -84,12 +92,12 @@ class Octomap : public Contestant {
 
 }  // namespace
 
-std::unique_ptr<Contestant> make_voxnav(double resolution_m, double max_range_m, int num_threads) {
+std::unique_ptr<Contestant> make_voxnav(double resolution_m, double max_range_m, int num_threads, int every) {
   occupancy::LocalMapConfig config;
   config.resolution_m = resolution_m;
   config.max_range_m = max_range_m;
   config.num_threads = num_threads;
-  return std::make_unique<Voxnav>(config);
+  return std::make_unique<Voxnav>(config, every);
 }
 
 std::unique_ptr<Contestant> make_octomap(double resolution_m, double max_range_m) {

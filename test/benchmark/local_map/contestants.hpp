@@ -25,8 +25,8 @@ class Contestant {
   virtual std::vector<float> surface_points() const = 0;
 };
 
-/// hit 0.7, miss 0.4, 80 x 80 x 40 m.
-std::unique_ptr<Contestant> make_voxnav(double resolution_m, double max_range_m, int num_threads);
+/// hit 0.7, miss 0.4, 80 x 80 x 40 m. `every`: only every n-th point of a scan is used, as on an overloaded machine.
+std::unique_ptr<Contestant> make_voxnav(double resolution_m, double max_range_m, int num_threads, int every = 1);
 /// insertPointCloud with discretize; free is what its own threshold of 0.5 makes free.
 std::unique_ptr<Contestant> make_octomap(double resolution_m, double max_range_m);
 

@@ -81,10 +81,11 @@ void insert_all(const Flight& flight, std::size_t num_scans, std::vector<Run>* r
 }
 
 std::vector<Run> make_runs(const Setup& setup, bool with_octomap) {
-  std::vector<Run> out(with_octomap ? 3 : 2);
+  std::vector<Run> out(with_octomap ? 4 : 3);
   out[0].map = make_voxnav(setup.resolution_m, setup.max_range_m, 1);
   out[1].map = make_voxnav(setup.resolution_m, setup.max_range_m, 2);
-  if (with_octomap) out[2].map = make_octomap(setup.resolution_m, setup.max_range_m);
+  out[2].map = make_voxnav(setup.resolution_m, setup.max_range_m, 1, 8);
+  if (with_octomap) out[3].map = make_octomap(setup.resolution_m, setup.max_range_m);
   return out;
 }
 
@@ -93,7 +94,7 @@ void print_speed(const Flight& flight, const Setup& setup, const std::vector<Run
     std::printf("| %s | %.1f | %-17s | %4zu | %8.2f | %8.2f | %8.2f | %6.1f |", flight.name.c_str(), setup.resolution_m,
                 run.map->name().c_str(), run.cpu_ms.size(), mean(run.cpu_ms), share(run.cpu_ms, 0.99),
                 share(run.wall_ms, 0.5), static_cast<double>(run.map->memory_bytes()) * 1e-6);
-    if (runs.size() > 2 && &run == &runs[0]) std::printf(" %.0f x |", mean(runs[2].cpu_ms) / mean(run.cpu_ms));
+    if (runs.size() > 3 && &run == &runs[0]) std::printf(" %.0f x |", mean(runs[3].cpu_ms) / mean(run.cpu_ms));
     std::printf("\n");
   }
 }
@@ -104,7 +105,7 @@ void print_quality(const Flight& flight, const SurfaceCells& cells, const std::v
     if (&run == &runs[1]) continue;  // the threads' result is the same, as tests assert
     const Contestant& map = *run.map;
     const Quality q = cells.judge([&](const auto& p) { return map.probability(p); }, map.free_threshold(), kLeastScans);
-    std::printf("| %s | %.1f | %-7s | %6zu | %.3f | %.3f | %.4f | %.3f |", flight.name.c_str(), cells.resolution_m(),
+    std::printf("| %s | %.1f | %-14s | %6zu | %.3f | %.3f | %.4f | %.3f |", flight.name.c_str(), cells.resolution_m(),
                 map.name().c_str(), q.all.cells, q.all.kept_share(), q.all.free_share(),
                 phantom_share(map.occupied_centers(), cells.resolution_m(), scene),
                 rms_distance(map.surface_points(), cells.resolution_m(), scene) / cells.resolution_m());
