@@ -64,6 +64,7 @@ void bind_report(py::module_& m) {
       .def_readonly("num_new_pairs", &Report::num_new_pairs)
       .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations)
       .def_readonly("num_searches", &Report::num_searches)
+      .def_readonly("num_recognised", &Report::num_recognised, "Loop closures that place recognition added.")
       .def_readonly("seconds", &Report::seconds, "CPU time.")
       .def_property_readonly(
           "rejected_loops",

@@ -20,6 +20,7 @@ struct SubmapGraphConfig {
   double overlap_refresh_m = 0.4;
   double registration_sigma_m = 0.2;
   double registration_effective_points = 50.0;
+  double drift_within_submap_m = 0.2;
   double noise_floor = 0.03;
   double coarse_kernel_voxels = 4.0;
   double fine_kernel_voxels = 1.0;
@@ -30,6 +31,10 @@ struct SubmapGraphConfig {
   double search_outlier_ratio = 0.1;
   double search_min_advantage = 0.9;
   int max_searches = 20;
+  // Places seen before, farther off than the search reaches
+  bool is_place_recognition_enabled = true;
+  double place_min_support = 0.35;
+  int place_candidates = 5;
   // Pairs
   double pair_block_m = 6.4;
   int max_pairs_per_submap = 40;
@@ -66,6 +71,8 @@ void SubmapGraphConfig::fields(V&& v) {
   v("registration_sigma_m", &C::registration_sigma_m, in(0.001, 10), "m", "standard deviation of one surface distance");
   v("registration_effective_points", &C::registration_effective_points, in(1, 1e5), "",
     "independent distances a full pair is worth; its points are correlated");
+  v("drift_within_submap_m", &C::drift_within_submap_m, in(0, 10), "m",
+    "deviation of odometry during a submap: what two submaps hardly share they saw at other times");
   v("noise_floor", &C::noise_floor, in(0, 0.5), "", "mean squared slope below which a direction is left free");
   v("coarse_kernel_voxels", &C::coarse_kernel_voxels, in(0.5, 50), "voxels", "robust kernel where descent starts");
   v("fine_kernel_voxels", &C::fine_kernel_voxels, in(0.25, 50), "voxels", "robust kernel where it ends");
@@ -77,6 +84,11 @@ void SubmapGraphConfig::fields(V&& v) {
   v("search_min_advantage", &C::search_min_advantage, in(0, 1), "",
     "the best cost must be below this share of others'");
   v("max_searches", &C::max_searches, in(0, 1000), "", "searches per solve");
+  v("is_place_recognition_enabled", &C::is_place_recognition_enabled, base::any(), "",
+    "look for places seen before, however far the estimate has drifted");
+  v("place_min_support", &C::place_min_support, in(0.05, 1), "",
+    "share of a submap that must fit where a place was recognised");
+  v("place_candidates", &C::place_candidates, in(1, 100), "", "similar places that are tried for each submap");
   v("pair_block_m", &C::pair_block_m, in(0.5, 50), "m", "edge of the spatial index that finds overlapping submaps");
   v("max_pairs_per_submap", &C::max_pairs_per_submap, in(1, 1000), "", "pairs formed by a submap with older ones");
   v("max_new_pairs", &C::max_new_pairs, in(1, 100000), "", "pairs formed per solve; the rest waits for the next");

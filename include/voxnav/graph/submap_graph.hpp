@@ -46,7 +46,8 @@ struct OptimizeReport {
   int num_new_pairs = 0;
   int num_pair_evaluations = 0;
   int num_searches = 0;
-  double seconds = 0.0;  ///< CPU time of the calling thread; informative only
+  int num_recognised = 0;  ///< loop closures found by place recognition in this solve
+  double seconds = 0.0;    ///< CPU time of the calling thread; informative only
   std::vector<RejectedLoop> rejected_loops;
 };
 

@@ -7,6 +7,7 @@
 
 #include "voxnav/geometry/voxel.hpp"
 #include "voxnav/graph/pair_registration.hpp"
+#include "voxnav/graph/place.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 
 /// What the parts of the optimiser share. Private to the floor.
@@ -16,6 +17,7 @@ struct Node {
   SurfaceSample sample;                    ///< field is null when the submap is not registered
   SurfaceSample coarse;                    ///< the same surfaces as the first steps of registration see them
   std::vector<geometry::Index3> blocks_S;  ///< cells of pair_block_m that hold sample points
+  Place place;
 };
 
 enum class LoopState { kUntested, kAccepted, kRejected };
@@ -27,6 +29,15 @@ struct RelativeConstraint {
   ConstraintKind kind;
   LoopState state = LoopState::kUntested;
   std::string reason;
+  bool is_recognised = false;  ///< found by place recognition and confirmed by a second one, not given from outside
+};
+
+/// Two submaps that look like the same place and register there.
+struct RecognisedLoop {
+  int a;
+  int b;
+  RelativePoseFactor factor;
+  bool is_confirmed = false;
 };
 
 struct PositionConstraint {
@@ -63,6 +74,9 @@ struct GraphState {
   std::vector<RelativeConstraint> relatives;
   std::vector<PositionConstraint> positions;
   std::vector<HeightConstraint> heights;
+  PlaceIndex places;
+  std::vector<int> unrecognised;  ///< submaps whose place was not looked for yet
+  std::vector<RecognisedLoop> recognised;
   std::map<std::pair<int, int>, RegistrationPair> pairs;  ///< ordered: sums do not depend on how they were found
   Estimate estimate;
   bool has_datum = false;
@@ -87,6 +101,15 @@ struct CandidatePair {
   int shared;
 };
 std::vector<CandidatePair> overlapping_submaps(const GraphState& state, const std::map<int, Pose4>& poses);
+
+/// Registers a pair by descent from T_A_B alone; inactive where the two share too little there.
+RegistrationPair register_at(const GraphState& state, int a, int b, const Pose4& T_A_B);
+/// Share of a submap that the pair explains, 0 to 1: overlap, less what does not fit in it.
+double support_of(const GraphState& state, const RegistrationPair& pair);
+
+/// Looks for the places of submaps that are new among all others, wherever the graph has them, and adds loop closures
+/// for those that register and that a second such loop nearby confirms. @return how many were added
+int recognise_places(GraphState* state, OptimizeReport* report);
 
 /// Finds, chooses points for and registers the pairs that are new or have moved.
 void update_pairs(GraphState* state, bool is_full, OptimizeReport* report);

@@ -106,6 +106,11 @@ int accept_agreeing(GraphState* state, const Estimate& estimate) {
   std::vector<RelativeConstraint*> agreeing;
   for (RelativeConstraint& loop : state->relatives) {
     if (loop.kind != ConstraintKind::kLoop || loop.state == LoopState::kAccepted) continue;
+    // What two places confirm is not measured by a graph that does not know how far it has drifted.
+    if (loop.is_recognised) {
+      agreeing.push_back(&loop);
+      continue;
+    }
     // The graph's own uncertainty only lowers the distance, so that a small residual needs no marginal.
     double chi2 = residual_chi2(loop, estimate);
     if (chi2 > gate) {

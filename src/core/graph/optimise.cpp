@@ -130,9 +130,15 @@ OptimizeReport optimise(GraphState* state, bool is_full) {
   initialise_datum(state);
   const Estimate input = state->estimate;
   const int max_evaluations = state->config.max_pair_evaluations * (is_full ? 10 : 1);
+  Estimate guess = input;
+  if (recognise_places(state, &report) > 0) {
+    // The submaps have to lie near their places before pairs are formed from where they lie.
+    solve_factors(*state, state->config.robust_width, &guess);
+    judge_loops(state, is_full, &guess);
+    state->estimate = guess;
+  }
   update_pairs(state, is_full, &report);
   // First the pose graph with each new pair as registered by itself, which may be metres away from here.
-  Estimate guess = input;
   solve_factors(*state, state->config.robust_width, &guess);
   judge_loops(state, is_full, &guess);
   Descent descent(state, max_evaluations, &report);
@@ -142,7 +148,7 @@ OptimizeReport optimise(GraphState* state, bool is_full) {
   const bool is_better = total(after) <= total(before);
   report.is_input_kept = !is_better || largest_move_m(input, descent.best()) == 0.0;
   fill_report(*state, before, is_better ? after : before, &report);
-  if (is_better) state->estimate = descent.best();
+  state->estimate = is_better ? descent.best() : input;
   return report;
 }
 

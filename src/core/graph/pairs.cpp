@@ -25,19 +25,18 @@ void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   const double size = size_of(pair->overlap);
   pair->is_active = pair->overlap.ratio >= config.min_overlap_ratio && size >= config.min_points_per_pair;
   const double fullness = std::min(1.0, size / (2.0 * config.points_per_pair));
-  pair->information = config.registration_effective_points * fullness / std::pow(config.registration_sigma_m, 2);
+  const double noise_m2 =
+      std::pow(config.registration_sigma_m, 2) / (config.registration_effective_points * std::max(1e-3, fullness));
+  // The less two submaps share, the shorter the time in which they saw it, and the farther either may have drifted
+  // between then and its middle, of which the pair is to tell.
+  const double apart_m = config.drift_within_submap_m * (1.0 - std::min(1.0, pair->overlap.ratio));
+  pair->information = 1.0 / (noise_m2 + apart_m * apart_m);
 }
 
 void set_model(const GraphState& state, const PairModel& model, RegistrationPair* pair) {
   const double fine_m = state.kernel_m(*pair, state.config.fine_kernel_voxels);
   pair->model = model;
   pair->factor = to_factor(model, pair->information, state.config.noise_floor, fine_m);
-}
-
-/// Share of the submap that the pair explains: overlap, less what does not fit in it.
-double support(const GraphState& state, const RegistrationPair& pair) {
-  if (!pair.is_active) return 0.0;
-  return pair.overlap.ratio * (1.0 - misfit(pair.model, state.kernel_m(pair, state.config.fine_kernel_voxels)));
 }
 
 /// A registration that ends farther away than it may search has run off, whatever it fits.
@@ -65,7 +64,7 @@ RegistrationPair descended(const GraphState& state, const Pose4& T_A_B, const Re
     choose_points(state, at, &next);
     if (!next.is_active) break;
     set_model(state, refine_pair(a, b, next.overlap, at, {2.0 * fine_m, fine_m}, state.config.noise_floor), &next);
-    const bool is_better = support(state, next) > support(state, best);
+    const bool is_better = support_of(state, next) > support_of(state, best);
     if (!is_better || !is_within_reach(state, T_A_B, next.model.T_A_B)) break;
     const double moved_m = motion_m(at, next.model.T_A_B, next.model.radius_m);
     at = next.model.T_A_B;
@@ -119,7 +118,7 @@ void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   const Pose4 start = here.is_active ? here.model.T_A_B : T_A_B;
   if (coarse.misfit_at(start) > state.config.search_outlier_ratio) {
     RegistrationPair there = descended(state, approach(coarse, start, state.voxel_m(*pair), report), *pair);
-    const bool explains_more = state.config.search_min_advantage * support(state, there) > support(state, here);
+    const bool explains_more = state.config.search_min_advantage * support_of(state, there) > support_of(state, here);
     if (explains_more && is_within_reach(state, T_A_B, there.model.T_A_B)) here = std::move(there);
   }
   *pair = std::move(here);
@@ -159,6 +158,18 @@ std::vector<RegistrationPair*> pairs_to_form(GraphState* state, bool is_full) {
 
 double GraphState::voxel_m(const RegistrationPair& pair) const {
   return std::max(nodes.at(pair.a).sample.field->resolution_m(), nodes.at(pair.b).sample.field->resolution_m());
+}
+
+double support_of(const GraphState& state, const RegistrationPair& pair) {
+  if (!pair.is_active) return 0.0;
+  return pair.overlap.ratio * (1.0 - misfit(pair.model, state.kernel_m(pair, state.config.fine_kernel_voxels)));
+}
+
+RegistrationPair register_at(const GraphState& state, int a, int b, const Pose4& T_A_B) {
+  RegistrationPair pair;
+  pair.a = a;
+  pair.b = b;
+  return descended(state, T_A_B, pair);
 }
 
 double pair_cost(const RegistrationPair& pair, const Pose4& T_A_B) {

@@ -97,6 +97,11 @@ void SubmapGraph::add_submap(int id, const geometry::Pose& T_W_S,
     const double reach_m = config.coarse_kernel_voxels * kReachKernels * node.sample.field->resolution_m();
     node.coarse = coarsen(node.sample, config.coarse_points, 2.0 * node.sample.field->resolution_m(), reach_m);
   }
+  if (node.sample.field && state.config.is_place_recognition_enabled) {
+    node.place = describe_place(node.sample.field->surface_points());
+    state.places.add(id, node.place);
+    state.unrecognised.push_back(id);
+  }
   node.blocks_S = blocks_of(node.sample, state.config.pair_block_m);
   state.nodes.emplace(id, std::move(node));
   state.estimate.poses.emplace(id, pose);

@@ -5,6 +5,7 @@ import collections
 
 import numpy as np
 
+import voxnav
 from voxnav.evaluation import align_se3
 from voxnav.optimizer_session import OptimizerSession
 
@@ -41,12 +42,11 @@ def solve(flight, graph_config=None, optimizer_config=None):
 
 
 def merged_surface(flight, T_W_S_by_id):
-    """(n, 3) surface points of all submaps, in W."""
-    parts = []
+    """(n, 3) surface points of the merged map, in W: what users of the map are given."""
+    collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
-        T = T_W_S_by_id[record.id]
-        parts.append(submap.surface_points().astype(np.float64) @ T[:3, :3].T + T[:3, 3])
-    return np.concatenate(parts)
+        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s)
+    return collection.occupied_points().astype(np.float64)
 
 
 def aligned_surface(flight, T_W_S_by_id, T_est, T_true):
