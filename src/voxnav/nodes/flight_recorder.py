@@ -25,6 +25,8 @@ FINAL_DIAGNOSTICS_S = 5.0
 # Lock-step: simulated time between two looks at the flight, and wall time for nodes to connect before it begins.
 LEADER_STEP_S = 0.5
 CONNECTION_S = 3.0
+# Lock-step lets half a second pass at once: what comes in one go must not be cut short.
+TRACK_QUEUE = 1000
 WARM_UP_STEPS = 4
 
 
@@ -44,10 +46,10 @@ class FlightRecorder:
         self._dropped_before = {}
         self.speed_mps = 0.0
         self.reasons = []  # of the planner, in order, each change once
-        rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=50)
-        rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=50)
+        rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=TRACK_QUEUE)
+        rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=TRACK_QUEUE)
         self._trajectory = rospy.Subscriber(TRAJECTORY, Path, self._on_trajectory, queue_size=1)
-        rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=10)
+        rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=TRACK_QUEUE)
         rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
         rospy.Subscriber("control_manager/diagnostics", ControlManagerDiagnostics, self._on_control, queue_size=5)
         rospy.Subscriber("submap_integrator/obstacle_cloud", PointCloud2, self._on_cloud, queue_size=1)
