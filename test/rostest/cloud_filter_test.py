@@ -58,7 +58,8 @@ class CloudFilterTest(unittest.TestCase):
         cls.cloud = rospy.Publisher("cloud_filter/cloud_in", PointCloud2, queue_size=10)
         cls.control = rospy.Publisher("cloud_filter/control_diagnostics_in", ControlManagerDiagnostics, queue_size=10)
         cls.learn = rospy.ServiceProxy("cloud_filter/learn_body_in", Trigger)
-        wait_for(lambda: cls.cloud.get_num_connections() and cls.control.get_num_connections() and all(s.get_num_connections() for s in subscribers))
+        wait_for(lambda: cls.cloud.get_num_connections() and cls.control.get_num_connections() and
+                 all(s.get_num_connections() for s in subscribers))
 
     def send(self, msg):
         """Publish and wait until the node has dealt with it, for good or bad."""
