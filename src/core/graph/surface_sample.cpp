@@ -63,7 +63,7 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
       double own = 0.0;
       // A surface point lies within a voxel of its surface; a larger own distance is a fault of the field.
       if (!field->sample(position, &own, nullptr) || std::abs(own) > field->resolution_m()) own = 0.0;
-      out.points.push_back({position, static_cast<double>(point.weight), own, is_upright == 1});
+      out.points.push_back({position, static_cast<double>(point.weight), own, is_upright == 1, point.phase});
     }
   }
   out.field = std::move(field);
