@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -119,6 +120,16 @@ Pose4 approach(const CoarsePair& coarse, const Pose4& T_A_B, double voxel_m, Opt
   return searched.cost_m2 < config.search_min_advantage * descended.cost_m2 ? searched.T_A_B : descended.T_A_B;
 }
 
+/// How far a registration has moved in directions that its surfaces leave free: bare ground slid over bare ground
+/// explains more of it, and fits as well anywhere.
+double unseen_move_m(const RegistrationPair& pair, const Pose4& from) {
+  Pose4 move = pair.model.T_A_B - from;
+  move[3] = geometry::wrap_angle(move[3]);
+  const Matrix4& whitening = pair.factor.whitening;
+  const Pose4 seen = whitening.completeOrthogonalDecomposition().solve(whitening * move);
+  return motion_m(seen, move, pair.model.radius_m);
+}
+
 /// Registers one pair from where the graph has it; the way over the coarse fields has to explain clearly more.
 void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair, OptimizeReport* report) {
   RegistrationPair here = descended(state, T_A_B, *pair);
@@ -127,7 +138,9 @@ void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   if (coarse.misfit_at(start) > state.config.search_outlier_ratio) {
     RegistrationPair there = descended(state, approach(coarse, start, state.voxel_m(*pair), report), *pair);
     const bool explains_more = state.config.search_min_advantage * support_of(state, there) > support_of(state, here);
-    if (explains_more && is_within_reach(state, T_A_B, there.model.T_A_B)) here = std::move(there);
+    if (explains_more && unseen_move_m(there, start) < 0.5 * state.voxel_m(*pair) &&
+        is_within_reach(state, T_A_B, there.model.T_A_B))
+      here = std::move(there);
   }
   *pair = std::move(here);
 }
