@@ -9,9 +9,10 @@ namespace voxnav::geometry {
 
 /// A piece of surface in submap frame S, as registration uses it.
 struct SurfacePoint {
-  Vec3f position;  ///< m, frame S
-  Vec3f normal;    ///< unit, towards free space
-  float weight;    ///< > 0, confidence
+  Vec3f position;      ///< m, frame S
+  Vec3f normal;        ///< unit, towards free space
+  float weight;        ///< > 0, confidence
+  float phase = 0.5f;  ///< when it was seen, as a share of the submap's time
 };
 
 /// What the graph and the planner may know of a submap. Implementations are immutable, so that

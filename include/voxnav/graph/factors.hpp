@@ -17,6 +17,20 @@ struct RelativePoseFactor {
   Pose4 evaluate(const Pose4& T_W_a, const Pose4& T_W_b, Matrix4* jacobian_a, Matrix4* jacobian_b) const;
 };
 
+/// Where a submap lay while it saw something, if the drift between the middles of two submaps came evenly. The pose of
+/// a submap holds for its middle; `share` (0 to 1/2) of the way to the next or the last one, the estimate has taken
+/// this share of how far the two have moved against their odometry:
+/// t' = t + share (t_neighbour ± R_z(ψ_earlier) step − t), yaw unchanged.
+struct SeenAt {
+  double share = 0.0;
+  bool is_before = false;                          ///< the neighbour is the submap before
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< odometry from the earlier to the later, frame of the earlier
+
+  /// Jacobians may be null.
+  Pose4 evaluate(const Pose4& T_W_own, const Pose4& T_W_neighbour, Matrix4* jacobian_own,
+                 Matrix4* jacobian_neighbour) const;
+};
+
 /// Whitened difference between a point of a submap and where GNSS saw it:
 /// M [t + R_z(ψ) p_S − (R_z(ψ_0) p_G + t_0)], datum (t_0, ψ_0) = T_W_G.
 struct PositionFactor {

@@ -20,7 +20,6 @@ struct SubmapGraphConfig {
   double overlap_refresh_m = 0.4;
   double registration_sigma_m = 0.2;
   double registration_effective_points = 50.0;
-  double drift_within_submap_m = 0.2;
   double noise_floor = 0.03;
   double coarse_kernel_voxels = 4.0;
   double fine_kernel_voxels = 1.0;
@@ -71,8 +70,6 @@ void SubmapGraphConfig::fields(V&& v) {
   v("registration_sigma_m", &C::registration_sigma_m, in(0.001, 10), "m", "standard deviation of one surface distance");
   v("registration_effective_points", &C::registration_effective_points, in(1, 1e5), "",
     "independent distances a full pair is worth; its points are correlated");
-  v("drift_within_submap_m", &C::drift_within_submap_m, in(0, 10), "m",
-    "deviation of odometry during a submap: what two submaps hardly share they saw at other times");
   v("noise_floor", &C::noise_floor, in(0, 0.5), "", "mean squared slope below which a direction is left free");
   v("coarse_kernel_voxels", &C::coarse_kernel_voxels, in(0.5, 50), "voxels", "robust kernel where descent starts");
   v("fine_kernel_voxels", &C::fine_kernel_voxels, in(0.25, 50), "voxels", "robust kernel where it ends");

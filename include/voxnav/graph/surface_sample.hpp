@@ -14,6 +14,9 @@ struct SamplePoint {
   double weight;
   double own_distance_m;  ///< what its own field says there: removes the bias of the field's surface
   bool is_upright;        ///< on a wall or trunk rather than on ground
+  geometry::Vec3 normal_S = geometry::Vec3::UnitZ();
+  bool is_planar = false;  ///< lies in a plane, of which only the distance along the normal says something
+  double phase = 0.5;      ///< when it was seen, as a share of the submap's time
 };
 
 /// The fixed set of surface points by which a submap is registered to others, and the field that others are

@@ -16,6 +16,7 @@ struct BlockEvidence {
   const VoxelBits* hit_bits;     ///< null: no hits
   const HitVoxel* hits_begin;
   const HitVoxel* hits_end;
+  int scan_number;  ///< since the last handover, from 1
 };
 
 struct BlockUpdate {

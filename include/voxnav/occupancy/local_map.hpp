@@ -159,6 +159,7 @@ class LocalMap {
   std::map<geometry::Index3, std::uint64_t> removed_;  ///< with the sequence at which a block left
   std::uint64_t sequence_ = 0;
   std::uint64_t taken_at_ = 0;
+  int recent_scans_ = 0;              ///< since the last handover; stays at what a leaf can hold
   std::uint64_t complete_since_ = 0;  ///< removals before it were given up
 };
 

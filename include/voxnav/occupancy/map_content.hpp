@@ -20,6 +20,7 @@ struct OccupiedLeaf {
   // The same of the hits since the last handover: what the submap saw itself. own_hits = 0: only remembered.
   std::array<std::int8_t, 3> own_mean{};
   std::uint8_t own_hits = 0;
+  std::uint8_t own_time = 128;  ///< mean time of these hits: 0 right after the last handover, 255 at this one
 };
 
 /// The known part of one block of 16^3 voxels.

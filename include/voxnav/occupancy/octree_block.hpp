@@ -40,7 +40,8 @@ class OctreeBlock {
   bool has_known() const { return (root_flags() & (kContainsFree | kContainsOccupied)) != 0; }
 
   containers::StateBlock states(const StateLevels& levels) const;
-  ContentBlock content(const geometry::Index3& index, const StateLevels& levels) const;
+  /// @param num_scans  since the last handover
+  ContentBlock content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const;
   std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
 
  private:

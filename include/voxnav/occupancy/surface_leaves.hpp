@@ -32,6 +32,7 @@ struct SurfaceLeaf {
   // registered by these, because what two of them share by copy says nothing about where they lie.
   std::array<std::int16_t, 3> recent_mean{};  ///< as `mean`
   std::uint16_t recent_scans = 0;             ///< saturates
+  std::uint16_t recent_time = 0;              ///< mean number of these scans since the handover; a scan = kTimeUnits
 
   static constexpr float kMeanUnits = 32000.0f;
   static constexpr float kCovarianceUnits = 120000.0f;  ///< points in a voxel spread by a quarter at most
@@ -39,14 +40,18 @@ struct SurfaceLeaf {
   geometry::Vec3f offset() const { return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits); }
   /// Adds one scan's hits. Scans weigh alike up to kMemory of them; after that old ones fade, so that the mean follows
   /// a surface that moves.
-  void add_scan(const PointSpread& hits);
+  /// @param number  of the scan since the last handover, from 1
+  void add_scan(const PointSpread& hits, int number);
   /// A scan saw through the surface. False while hits have refuted as many such scans in a row before.
   bool is_refuted_by_seeing_through(int max_patience);
   /// Squared Mahalanobis distance at which a line passes the hits. `to_mean` leads from the line to the mean, in voxel
   /// edges; `least_spread` (voxel edges) is added to the spread of the hits.
   float squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction, float least_spread) const;
   static constexpr int kMemory = 50;
-  OccupiedLeaf quantised(int offset_in_block) const;
+  static constexpr int kTimeUnits = 16;  ///< of recent_time, which then holds 4095 scans
+  static constexpr int kMaxNumber = 65535 / kTimeUnits;
+  /// @param num_scans  since the last handover
+  OccupiedLeaf quantised(int offset_in_block, int num_scans) const;
 };
 
 /// The voxels of one block that hold hits, packed in voxel order; found by counting bits.

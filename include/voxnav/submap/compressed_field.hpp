@@ -92,7 +92,11 @@ class CompressedField {
   /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
   /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
   CompressedField own_surface() const;
-  std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_leaves_.size(); }
+  /// When a leaf of an own surface was seen, as a share of the submap's time; one half where that is not known.
+  float phase_of(const Leaf* leaf) const {
+    const bool is_known = own_times_.size() == leaves_.size();
+    return is_known ? static_cast<float>(own_times_[static_cast<std::size_t>(leaf - leaves_.data())]) / 255.0f : 0.5f;
+  }
   double band() const { return band_; }
   std::size_t memory_bytes() const;
 
@@ -135,7 +139,7 @@ class CompressedField {
   Block new_block(const geometry::Index3& index) const;
   void add_block(const occupancy::ContentBlock& content);
   void add_block(const FilledBlock& filled);
-  void add_leaf(const Leaf& leaf, const Leaf& own);
+  void add_leaf(const Leaf& leaf, const Leaf& own, std::uint8_t own_time);
   bool is_own(std::size_t leaf) const { return (own_bits_[leaf >> 6] >> (leaf & 63)) & 1u; }
   void read_own(base::ByteReader* in);
   void add_cell(int cell, const CellStates& states, const CellValues* values, Block* block);
@@ -160,6 +164,7 @@ class CompressedField {
   std::vector<Leaf> leaves_;
   std::vector<std::uint64_t> own_bits_;  ///< of each leaf: the submap hit it itself; none where distances were measured
   std::vector<Leaf> own_leaves_;         ///< for those, from the submap's own hits
+  std::vector<std::uint8_t> own_times_;  ///< and when it saw them, 0 to 255 from its beginning to its end
   std::vector<std::int32_t> table_;      ///< open addressing: position in blocks_ or -1
 };
 

@@ -14,6 +14,7 @@ struct WindowLeaf {
   int x, y, z;
   geometry::Vec3f mean;  ///< surface point from the centre of the voxel, voxel edges
   std::uint8_t hits;
+  float phase;  ///< when it was seen, as a share of the submap's time
 };
 
 /// One block and up to 8 voxels around it as columns of bits: bit z + 8 of the column at (x, y). Unpacked from the

@@ -32,7 +32,7 @@ std::vector<KindReport> costs_of(const GraphState& state, const Estimate& estima
   }
   for (const auto& [ids, pair] : state.pairs) {
     if (!pair.is_active || !state.uses(ConstraintKind::kRegistration)) continue;
-    add(pair_cost(pair, relative_of(poses, pair.a, pair.b)),
+    add(pair_cost(pair, seen_relative(state, poses, pair)),
         &kinds[static_cast<std::size_t>(ConstraintKind::kRegistration)]);
   }
   for (const PositionConstraint& c : state.positions) {

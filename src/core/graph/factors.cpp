@@ -53,4 +53,27 @@ Eigen::Vector3d PositionFactor::evaluate(const Pose4& T_W_S, const Pose4& T_W_G,
   return whitening * (to_pose(T_W_S) * p_S - to_pose(T_W_G) * p_G);
 }
 
+Pose4 SeenAt::evaluate(const Pose4& T_W_own, const Pose4& T_W_neighbour, Matrix4* jacobian_own,
+                       Matrix4* jacobian_neighbour) const {
+  const Pose4& earlier = is_before ? T_W_neighbour : T_W_own;
+  const double c = std::cos(earlier[3]);
+  const double s = std::sin(earlier[3]);
+  const Eigen::Vector3d moved(c * step.x() - s * step.y(), s * step.x() + c * step.y(), step.z());
+  const double sign = is_before ? 1.0 : -1.0;  // where odometry puts own: after the neighbour, or before it
+  Pose4 out = T_W_own;
+  out.head<3>() += share * (T_W_neighbour.head<3>() + sign * moved - T_W_own.head<3>());
+  const Eigen::Vector3d turned(-moved.y(), moved.x(), 0.0);
+  if (jacobian_own) {
+    *jacobian_own = Matrix4::Identity();
+    jacobian_own->topLeftCorner<3, 3>() *= 1.0 - share;
+    if (!is_before) jacobian_own->topRightCorner<3, 1>() = sign * share * turned;
+  }
+  if (jacobian_neighbour) {
+    *jacobian_neighbour = Matrix4::Zero();
+    jacobian_neighbour->topLeftCorner<3, 3>() = share * Eigen::Matrix3d::Identity();
+    if (is_before) jacobian_neighbour->topRightCorner<3, 1>() = sign * share * turned;
+  }
+  return out;
+}
+
 }  // namespace voxnav::graph

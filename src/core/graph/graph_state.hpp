@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxnav/geometry/voxel.hpp"
+#include "voxnav/graph/factors.hpp"
 #include "voxnav/graph/pair_registration.hpp"
 #include "voxnav/graph/place.hpp"
 #include "voxnav/graph/submap_graph.hpp"
@@ -60,6 +61,14 @@ struct RegistrationPair {
   PairModel model;
   RelativePoseFactor factor;
   double information = 0.0;
+  double phase_a = 0.5;  ///< when each saw what they share, as a share of its time
+  double phase_b = 0.5;
+};
+
+/// Odometry to the submap before or after.
+struct Neighbour {
+  int id;
+  Eigen::Vector3d step;  ///< from the earlier to the later, frame of the earlier
 };
 
 /// What a solve changes.
@@ -74,6 +83,8 @@ struct GraphState {
   std::vector<RelativeConstraint> relatives;
   std::vector<PositionConstraint> positions;
   std::vector<HeightConstraint> heights;
+  std::map<int, Neighbour> before;  ///< of each submap that odometry leads to
+  std::map<int, Neighbour> after;   ///< of each that it leads on from
   PlaceIndex places;
   std::vector<int> unrecognised;  ///< submaps whose place was not looked for yet
   std::vector<RecognisedLoop> recognised;
@@ -92,6 +103,20 @@ struct GraphState {
 };
 
 inline Pose4 relative_of(const std::map<int, Pose4>& poses, int a, int b) { return relative(poses.at(a), poses.at(b)); }
+
+/// Where a submap lay at a time: its own id and no share where the neighbour of that side is not there yet.
+struct SeenFrom {
+  int id;
+  int neighbour;
+  SeenAt at;
+  Pose4 pose(const std::map<int, Pose4>& poses) const {
+    return at.evaluate(poses.at(id), poses.at(neighbour), nullptr, nullptr);
+  }
+};
+SeenFrom seen_from(const GraphState& state, int id, double phase);
+
+/// Relative pose of a pair at the times when the two saw what they share.
+Pose4 seen_relative(const GraphState& state, const std::map<int, Pose4>& poses, const RegistrationPair& pair);
 
 /// Submaps (a < b) that share cells of the spatial index at the given poses, most shared cells first for each b.
 /// O(cells) expected. Cells crowded by more than 128 submaps keep the newest.

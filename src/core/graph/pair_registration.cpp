@@ -51,6 +51,12 @@ struct Sums {
   }
 };
 
+/// Beside the end of what the other submap saw of a plane, its distance slopes towards that end, and between its points
+/// it ripples: neither says anything of the plane. Only what lies along the normal does.
+Vec3 believed(const Vec3& slope, const SamplePoint& point, const Vec3& normal) {
+  return point.is_planar ? Vec3(slope.dot(normal) * normal) : slope;
+}
+
 /// Points of B in the field of A: q = R p + t.
 void add_b_in_a(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T,
                 Sums* sums) {
@@ -66,6 +72,8 @@ void add_b_in_a(const SurfaceSample& a, const SurfaceSample& b, const PairOverla
       sums->add_lost(point.weight);
       continue;
     }
+    const Vec3& n = point.normal_S;
+    slope = believed(slope, point, {c * n.x() - s * n.y(), s * n.x() + c * n.y(), n.z()});
     const double turn = slope.x() * (-s * p.x() - c * p.y()) + slope.y() * (c * p.x() - s * p.y());
     sums->add(point.weight, distance_m - point.own_distance_m, Pose4(slope.x(), slope.y(), slope.z(), turn),
               q.head<2>());
@@ -87,6 +95,8 @@ void add_a_in_b(const SurfaceSample& a, const SurfaceSample& b, const PairOverla
       sums->add_lost(point.weight);
       continue;
     }
+    const Vec3& n = point.normal_S;
+    slope = believed(slope, point, {c * n.x() + s * n.y(), -s * n.x() + c * n.y(), n.z()});
     const Pose4 jacobian(-c * slope.x() + s * slope.y(), -s * slope.x() - c * slope.y(), -slope.z(),
                          slope.x() * q.y() - slope.y() * q.x());
     sums->add(point.weight, distance_m - point.own_distance_m, jacobian, point.position_S.head<2>());

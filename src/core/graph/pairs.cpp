@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -18,6 +19,17 @@ double size_of(const PairOverlap& overlap) { return static_cast<double>(overlap.
 /// Share of the pair's weight that its kernel calls outliers.
 double misfit(const PairModel& model, double kernel_m) { return model.cost_m2 / (kernel_m * kernel_m); }
 
+/// When the submap saw what it shares, as a share of its time.
+double mean_phase(const SurfaceSample& sample, const std::vector<std::uint32_t>& points) {
+  double weight = 0.0;
+  double sum = 0.0;
+  for (const std::uint32_t i : points) {
+    weight += sample.points[i].weight;
+    sum += sample.points[i].weight * sample.points[i].phase;
+  }
+  return weight > 0.0 ? sum / weight : 0.5;
+}
+
 void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair) {
   const SubmapGraphConfig& config = state.config;
   pair->overlap =
@@ -25,12 +37,9 @@ void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   const double size = size_of(pair->overlap);
   pair->is_active = pair->overlap.ratio >= config.min_overlap_ratio && size >= config.min_points_per_pair;
   const double fullness = std::min(1.0, size / (2.0 * config.points_per_pair));
-  const double noise_m2 =
-      std::pow(config.registration_sigma_m, 2) / (config.registration_effective_points * std::max(1e-3, fullness));
-  // The less two submaps share, the shorter the time in which they saw it, and the farther either may have drifted
-  // between then and its middle, of which the pair is to tell.
-  const double apart_m = config.drift_within_submap_m * (1.0 - std::min(1.0, pair->overlap.ratio));
-  pair->information = 1.0 / (noise_m2 + apart_m * apart_m);
+  pair->information = config.registration_effective_points * fullness / std::pow(config.registration_sigma_m, 2);
+  pair->phase_a = mean_phase(state.nodes.at(pair->a).sample, pair->overlap.of_a);
+  pair->phase_b = mean_phase(state.nodes.at(pair->b).sample, pair->overlap.of_b);
 }
 
 void set_model(const GraphState& state, const PairModel& model, RegistrationPair* pair) {
@@ -111,6 +120,16 @@ Pose4 approach(const CoarsePair& coarse, const Pose4& T_A_B, double voxel_m, Opt
   return searched.cost_m2 < config.search_min_advantage * descended.cost_m2 ? searched.T_A_B : descended.T_A_B;
 }
 
+/// How far a registration has moved in directions that its surfaces leave free: bare ground slid over bare ground
+/// explains more of it, and fits as well anywhere.
+double unseen_move_m(const RegistrationPair& pair, const Pose4& from) {
+  Pose4 move = pair.model.T_A_B - from;
+  move[3] = geometry::wrap_angle(move[3]);
+  const Matrix4& whitening = pair.factor.whitening;
+  const Pose4 seen = whitening.completeOrthogonalDecomposition().solve(whitening * move);
+  return motion_m(seen, move, pair.model.radius_m);
+}
+
 /// Registers one pair from where the graph has it; the way over the coarse fields has to explain clearly more.
 void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair, OptimizeReport* report) {
   RegistrationPair here = descended(state, T_A_B, *pair);
@@ -119,7 +138,9 @@ void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   if (coarse.misfit_at(start) > state.config.search_outlier_ratio) {
     RegistrationPair there = descended(state, approach(coarse, start, state.voxel_m(*pair), report), *pair);
     const bool explains_more = state.config.search_min_advantage * support_of(state, there) > support_of(state, here);
-    if (explains_more && is_within_reach(state, T_A_B, there.model.T_A_B)) here = std::move(there);
+    if (explains_more && unseen_move_m(there, start) < 0.5 * state.voxel_m(*pair) &&
+        is_within_reach(state, T_A_B, there.model.T_A_B))
+      here = std::move(there);
   }
   *pair = std::move(here);
 }
@@ -160,6 +181,19 @@ double GraphState::voxel_m(const RegistrationPair& pair) const {
   return std::max(nodes.at(pair.a).sample.field->resolution_m(), nodes.at(pair.b).sample.field->resolution_m());
 }
 
+SeenFrom seen_from(const GraphState& state, int id, double phase) {
+  const bool is_before = phase < 0.5;
+  const std::map<int, Neighbour>& neighbours = is_before ? state.before : state.after;
+  const auto found = neighbours.find(id);
+  if (found == neighbours.end()) return {id, id, {}};
+  return {id, found->second.id, {std::min(0.5, std::abs(phase - 0.5)), is_before, found->second.step}};
+}
+
+Pose4 seen_relative(const GraphState& state, const std::map<int, Pose4>& poses, const RegistrationPair& pair) {
+  return relative(seen_from(state, pair.a, pair.phase_a).pose(poses),
+                  seen_from(state, pair.b, pair.phase_b).pose(poses));
+}
+
 double support_of(const GraphState& state, const RegistrationPair& pair) {
   if (!pair.is_active) return 0.0;
   return pair.overlap.ratio * (1.0 - misfit(pair.model, state.kernel_m(pair, state.config.fine_kernel_voxels)));
@@ -194,7 +228,7 @@ bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int m
   constexpr double kToleranceVoxels = 0.02;
   for (auto& [ids, pair] : state->pairs) {
     if (!pair.is_active) continue;
-    const Pose4 T_A_B = relative_of(poses, pair.a, pair.b);
+    const Pose4 T_A_B = seen_relative(*state, poses, pair);
     if (motion_m(pair.model.T_A_B, T_A_B, pair.model.radius_m) < state->kernel_m(pair, kToleranceVoxels)) continue;
     if (report->num_pair_evaluations >= max_evaluations) return false;
     ++report->num_pair_evaluations;

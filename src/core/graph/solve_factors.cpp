@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
 #include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
+
+#include <algorithm>
 
 #include "graph_state.hpp"
 #include "voxnav/graph/ceres_compat.hpp"
@@ -36,6 +39,51 @@ class RelativePoseCost final : public ceres::SizedCostFunction<4, 4, 4> {
 
  private:
   RelativePoseFactor factor_;
+};
+
+/// A registered pair: 4 residuals; blocks: poses of the two submaps and of the neighbours towards which each had moved
+/// when it saw what they share, every submap once. Analytic.
+class SeenPairCost final : public ceres::CostFunction {
+ public:
+  SeenPairCost(const RelativePoseFactor& factor, const SeenFrom& a, const SeenFrom& b) : factor_(factor), sides_{a, b} {
+    for (const SeenFrom& side : sides_) {
+      for (const int id : {side.id, side.neighbour}) {
+        if (std::find(ids_.begin(), ids_.end(), id) == ids_.end()) ids_.push_back(id);
+      }
+    }
+    set_num_residuals(4);
+    mutable_parameter_block_sizes()->assign(ids_.size(), 4);
+  }
+  const std::vector<int>& ids() const { return ids_; }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    Pose4 poses[2];
+    Matrix4 of_own[2];
+    Matrix4 of_neighbour[2];
+    for (int k = 0; k < 2; ++k) {
+      poses[k] = sides_[k].at.evaluate(PoseMap(blocks[block_of_id(sides_[k].id)]),
+                                       PoseMap(blocks[block_of_id(sides_[k].neighbour)]), &of_own[k], &of_neighbour[k]);
+    }
+    Matrix4 of_seen[2];
+    store(Pose4(factor_.evaluate(poses[0], poses[1], &of_seen[0], &of_seen[1])), residuals);
+    if (!jacobians) return true;
+    std::vector<Matrix4> sums(ids_.size(), Matrix4::Zero());
+    for (int k = 0; k < 2; ++k) {
+      sums[block_of_id(sides_[k].id)] += of_seen[k] * of_own[k];
+      sums[block_of_id(sides_[k].neighbour)] += of_seen[k] * of_neighbour[k];
+    }
+    for (std::size_t i = 0; i < ids_.size(); ++i) store(sums[i], jacobians[i]);
+    return true;
+  }
+
+ private:
+  std::size_t block_of_id(int id) const {
+    return static_cast<std::size_t>(std::find(ids_.begin(), ids_.end(), id) - ids_.begin());
+  }
+
+  RelativePoseFactor factor_;
+  SeenFrom sides_[2];
+  std::vector<int> ids_;
 };
 
 /// 3 residuals; blocks: T_W_S, T_W_G. Analytic.
@@ -79,8 +127,11 @@ void add_relatives(const GraphState& state, double pair_loss_width, Estimate* x,
   if (!state.uses(ConstraintKind::kRegistration)) return;
   for (const auto& [ids, pair] : state.pairs) {
     if (!pair.is_active) continue;
-    problem->AddResidualBlock(new RelativePoseCost(pair.factor), cauchy(pair_loss_width), x->poses[pair.a].data(),
-                              x->poses[pair.b].data());
+    auto* cost =
+        new SeenPairCost(pair.factor, seen_from(state, pair.a, pair.phase_a), seen_from(state, pair.b, pair.phase_b));
+    std::vector<double*> blocks;
+    for (const int id : cost->ids()) blocks.push_back(x->poses[id].data());
+    problem->AddResidualBlock(cost, cauchy(pair_loss_width), blocks);
   }
 }
 

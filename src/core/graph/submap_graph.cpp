@@ -118,6 +118,9 @@ void SubmapGraph::add_relative_pose(int a, int b, const geometry::Pose& T_a_b, c
   if (a == b) throw std::invalid_argument("a relative pose needs two different submaps");
   const RelativePoseFactor factor{to_pose4(T_a_b, "T_a_b"), whitening_of(information, "information")};
   impl_->state.relatives.push_back({a, b, factor, kind, LoopState::kUntested, {}});
+  if (kind != ConstraintKind::kOdometry || a > b) return;
+  impl_->state.after[a] = {b, factor.T_a_b.head<3>()};
+  impl_->state.before[b] = {a, factor.T_a_b.head<3>()};
 }
 
 void SubmapGraph::add_position(int id, const geometry::Vec3& p_S, const geometry::Vec3& p_W,
@@ -173,7 +176,7 @@ std::vector<ConstraintView> SubmapGraph::constraints() const {
   }
   for (const auto& [ids, pair] : state.pairs) {
     if (!pair.is_active) continue;
-    const double cost = pair_cost(pair, relative_of(poses, pair.a, pair.b));
+    const double cost = pair_cost(pair, seen_relative(state, poses, pair));
     out.push_back({ConstraintKind::kRegistration, pair.a, pair.b, cost, state.uses(ConstraintKind::kRegistration)});
   }
   for (const PositionConstraint& c : state.positions) {

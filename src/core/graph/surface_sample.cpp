@@ -14,6 +14,7 @@ namespace {
 using geometry::SurfacePoint;
 
 constexpr float kUprightNormalZ = 0.7f;  // 45 degrees
+constexpr float kPlanarWeight = 0.5f;    // only points in planes weigh more
 
 bool is_usable(const SurfacePoint& point) {
   return point.position.allFinite() && point.normal.allFinite() && std::isfinite(point.weight) && point.weight > 0;
@@ -63,7 +64,8 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
       double own = 0.0;
       // A surface point lies within a voxel of its surface; a larger own distance is a fault of the field.
       if (!field->sample(position, &own, nullptr) || std::abs(own) > field->resolution_m()) own = 0.0;
-      out.points.push_back({position, static_cast<double>(point.weight), own, is_upright == 1});
+      out.points.push_back({position, static_cast<double>(point.weight), own, is_upright == 1,
+                            point.normal.cast<double>(), point.weight > kPlanarWeight, point.phase});
     }
   }
   out.field = std::move(field);

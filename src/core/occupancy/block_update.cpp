@@ -80,7 +80,7 @@ void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const Voxe
   }
   block->leaves.assign(bits);
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
-    if (SurfaceLeaf* leaf = block->leaves.find(hit->offset)) leaf->add_scan(hit->points);
+    if (SurfaceLeaf* leaf = block->leaves.find(hit->offset)) leaf->add_scan(hit->points, evidence.scan_number);
   }
 }
 

@@ -50,6 +50,7 @@ InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_
   statistics.points = n;
   ++sequence_;
   move_window(T_W_L.translation(), &statistics);
+  recent_scans_ = std::min(recent_scans_ + 1, SurfaceLeaf::kMaxNumber);
   const ScanFrame frame = frame_of(T_W_L);
   collect_points(points, n, stride, frame, &statistics);
   collect_no_returns(no_return_directions, m, T_W_L, frame);
@@ -75,7 +76,7 @@ void LocalMap::keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* 
     ++statistics->blocks_evicted;
     if (!evicted.block->has_known()) continue;
     note_removed(evicted.index);
-    ContentBlock content = evicted.block->content(evicted.index, levels_);
+    ContentBlock content = evicted.block->content(evicted.index, levels_, recent_scans_);
     for (int i = 0; i < geometry::kBlockVolume; ++i) {
       statistics->cells_evicted += content.states.get(i) != containers::State::kUnknown ? 1 : 0;
     }
@@ -194,6 +195,7 @@ BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight
   evidence.hit_bits = ends_.hit_bits(slot);
   evidence.hits_begin = ends_.hits().data() + hits.begin;
   evidence.hits_end = ends_.hits().data() + hits.end;
+  evidence.scan_number = recent_scans_;
   OctreeBlock& known = window_.ensure(static_cast<int>(slot), scale_.prior);
   const BlockUpdate update = update_block(&known, evidence, sight, scale_, levels_);
   if (update.any_state_changed) known.changed_at = sequence_;

@@ -15,7 +15,7 @@ constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
 constexpr std::uint32_t kVersion = 3;
 constexpr std::uint32_t kVersionWithoutRecent = 2;  ///< leaves end before recent_mean
 
-static_assert(sizeof(SurfaceLeaf) == 30 && offsetof(SurfaceLeaf, recent_mean) == 22, "leaves are written as they are");
+static_assert(sizeof(SurfaceLeaf) == 32 && offsetof(SurfaceLeaf, recent_mean) == 22, "leaves are written as they are");
 
 void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
   LocalMapConfig::fields(
@@ -61,6 +61,7 @@ std::string LocalMap::to_bytes() const {
   put_config(config_, &out);
   out.put(window_.is_placed());
   out.put(window_.first_block());
+  out.put<std::int32_t>(recent_scans_);
   std::uint64_t count = 0;
   for (int slot = 0; slot < window_.num_slots(); ++slot) count += window_.at(slot) != nullptr ? 1 : 0;
   out.put(count);
@@ -82,6 +83,9 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
   const bool is_placed = in.get<std::uint8_t>() != 0;
   const auto first = in.get<geometry::Index3>();
   if (is_placed) map.window_.place(first);
+  if (version == kVersion) map.recent_scans_ = in.get<std::int32_t>();
+  if (map.recent_scans_ < 0 || map.recent_scans_ > SurfaceLeaf::kMaxNumber)
+    in.fail("has an impossible number of scans");
   const std::uint64_t count = in.get_count(geometry::kBlockVolume);
   OctreeBlock::Flags flags;
   for (std::uint64_t i = 0; i < count; ++i) {

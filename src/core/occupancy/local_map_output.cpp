@@ -63,13 +63,15 @@ MapContent LocalMap::content() const {
   out.resolution_m = config_.resolution_m;
   for (int slot = 0; slot < window_.num_slots(); ++slot) {
     const OctreeBlock* block = window_.at(slot);
-    if (block != nullptr && block->has_known()) out.blocks.push_back(block->content(window_.block_at(slot), levels_));
+    if (block != nullptr && block->has_known())
+      out.blocks.push_back(block->content(window_.block_at(slot), levels_, recent_scans_));
   }
   return out;
 }
 
 MapContent LocalMap::hand_over() {
   MapContent out = content();
+  recent_scans_ = 0;
   for (int slot = 0; slot < window_.num_slots(); ++slot) {
     if (window_.at(slot) != nullptr) window_.at(slot)->leaves.begin_handover();
   }
@@ -136,6 +138,7 @@ void LocalMap::clear() {
   ++sequence_;
   for (const EvictedBlock& block : window_.take_all()) note_removed(block.index);
   evicted_.clear();
+  recent_scans_ = 0;
 }
 
 void LocalMap::set_thresholds(double free_threshold, double occupied_threshold) {

@@ -37,7 +37,9 @@ void put_leaf(const OccupiedLeaf& leaf, base::ByteWriter* out) {
   out->put(leaf.mean);
   out->put(leaf.hits);
   out->put(leaf.own_hits);
-  if (leaf.own_hits > 0) out->put(leaf.own_mean);
+  if (leaf.own_hits == 0) return;
+  out->put(leaf.own_mean);
+  out->put(leaf.own_time);
 }
 
 OccupiedLeaf get_leaf(std::uint32_t version, base::ByteReader* in) {
@@ -51,7 +53,9 @@ OccupiedLeaf get_leaf(std::uint32_t version, base::ByteReader* in) {
     return leaf;
   }
   leaf.own_hits = in->get<std::uint8_t>();
-  if (leaf.own_hits > 0) leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
+  if (leaf.own_hits == 0) return leaf;
+  leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
+  leaf.own_time = in->get<std::uint8_t>();
   return leaf;
 }
 

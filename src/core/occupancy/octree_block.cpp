@@ -74,14 +74,14 @@ containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {
   return out;
 }
 
-ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLevels& levels) const {
+ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const {
   ContentBlock out;
   out.index = index;
   out.states = states(levels);
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     if (log_odds[offset] < levels.occupied_min) continue;
     const SurfaceLeaf* leaf = leaves.find(offset);
-    out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset));
+    out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
   }
   return out;
 }

@@ -17,11 +17,13 @@ constexpr float kCovarianceUnit = 1.0f / SurfaceLeaf::kCovarianceUnits;  // divi
 
 }  // namespace
 
-void SurfaceLeaf::add_scan(const PointSpread& hits) {
+void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
   if (scans < 255) ++scans;
   if (recent_scans < 65535) ++recent_scans;
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
   const float recent_share = 1.0f / static_cast<float>(recent_scans);
+  const float later = static_cast<float>(kTimeUnits * number) - static_cast<float>(recent_time);
+  recent_time = static_cast<std::uint16_t>(static_cast<float>(recent_time) + recent_share * later + 0.5f);
   geometry::Vec3f moved;
   for (int axis = 0; axis < 3; ++axis) {
     const float old = static_cast<float>(mean[axis]) * (0.5f / kMeanUnits);
@@ -67,7 +69,7 @@ float SurfaceLeaf::squared_distance(const geometry::Vec3f& to_mean, const geomet
   return (to_mean.dot(adjugate * to_mean) - along * along / direction.dot(weighted)) / determinant;
 }
 
-OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block) const {
+OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
   const auto in_bytes = [](std::int16_t value) {
     return static_cast<std::int8_t>(rounded(static_cast<float>(value) * (127.0f / kMeanUnits)));
   };
@@ -79,6 +81,10 @@ OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block) const {
   }
   leaf.hits = scans;
   leaf.own_hits = static_cast<std::uint8_t>(std::min<int>(recent_scans, 255));
+  if (recent_scans > 0 && num_scans > 0) {
+    const float share = (static_cast<float>(recent_time) / kTimeUnits - 0.5f) / static_cast<float>(num_scans);
+    leaf.own_time = static_cast<std::uint8_t>(std::clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f);
+  }
   return leaf;
 }
 
@@ -86,6 +92,7 @@ void SurfaceLeaves::begin_handover() {
   for (SurfaceLeaf& leaf : leaves_) {
     leaf.recent_mean = {};
     leaf.recent_scans = 0;
+    leaf.recent_time = 0;
   }
 }
 

@@ -232,7 +232,8 @@ std::size_t CompressedField::memory_bytes() const {
   return sizeof(*this) + blocks_.capacity() * sizeof(Block) + states_.capacity() * sizeof(CellStates) +
          near_.capacity() * sizeof(CellStates) + first_leaf_.capacity() * sizeof(std::uint32_t) +
          values_.capacity() * sizeof(CellValues) + (leaves_.capacity() + own_leaves_.capacity()) * sizeof(Leaf) +
-         own_bits_.capacity() * sizeof(std::uint64_t) + table_.capacity() * sizeof(std::int32_t);
+         own_bits_.capacity() * sizeof(std::uint64_t) + own_times_.capacity() +
+         table_.capacity() * sizeof(std::int32_t);
 }
 
 }  // namespace voxnav::submap

@@ -19,6 +19,7 @@ std::int8_t rounded(double value) { return static_cast<std::int8_t>(static_cast<
 struct LeafPair {
   CompressedField::Leaf leaf;
   CompressedField::Leaf own;  ///< no hits: the voxel is only remembered
+  std::uint8_t own_time;
 };
 
 std::array<std::int8_t, 3> clamped(const std::array<std::int8_t, 3>& mean) {
@@ -37,7 +38,7 @@ std::array<std::vector<LeafPair>, 64> leaves_by_cell(const occupancy::ContentBlo
     if (!fits) throw std::invalid_argument("map content has leaves that do not match its states");
     last = leaf.offset;
     out[static_cast<std::size_t>(CompressedField::cell_of(leaf.offset))].push_back(
-        {{clamped(leaf.mean), leaf.hits}, {clamped(leaf.own_mean), leaf.own_hits}});
+        {{clamped(leaf.mean), leaf.hits}, {clamped(leaf.own_mean), leaf.own_hits}, leaf.own_time});
   }
   return out;
 }
@@ -77,6 +78,7 @@ void CompressedField::shrink() {
   leaves_.shrink_to_fit();
   own_bits_.shrink_to_fit();
   own_leaves_.shrink_to_fit();
+  own_times_.shrink_to_fit();
 }
 
 int CompressedField::count_occupied(const CellStates& states) {
@@ -108,7 +110,7 @@ void CompressedField::add_block(const occupancy::ContentBlock& content) {
     if (count_occupied(states) != static_cast<int>(leaves.size()))
       throw std::invalid_argument("map content has leaves that do not match its states");
     add_cell(cell, states, nullptr, &block);
-    for (const LeafPair& pair : leaves) add_leaf(pair.leaf, pair.own);
+    for (const LeafPair& pair : leaves) add_leaf(pair.leaf, pair.own, pair.own_time);
   }
   blocks_.push_back(block);
 }

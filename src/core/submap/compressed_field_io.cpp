@@ -5,6 +5,12 @@ namespace voxnav::submap {
 
 using geometry::Index3;
 
+namespace {
+
+constexpr std::uint8_t kUnknownTime = 128;  // the middle of the submap
+
+}  // namespace
+
 void CompressedField::write(base::ByteWriter* out) const {
   out->put(band_);
   out->put<std::uint64_t>(blocks_.size());
@@ -22,6 +28,7 @@ void CompressedField::write(base::ByteWriter* out) const {
   out->put_raw(leaves_.data(), leaves_.size() * sizeof(Leaf));
   out->put<std::uint64_t>(own_leaves_.size());
   out->put_raw(own_leaves_.data(), own_leaves_.size() * sizeof(Leaf));
+  out->put_raw(own_times_.data(), own_times_.size());
   out->put_raw(own_bits_.data(), own_bits_.size() * sizeof(std::uint64_t));
 }
 
@@ -74,7 +81,7 @@ CompressedField CompressedField::read(base::ByteReader* in, bool has_own) {
   if (has_own || field.has_values_) {
     field.leaves_ = std::move(leaves);
   } else {
-    for (const Leaf& leaf : leaves) field.add_leaf(leaf, leaf);
+    for (const Leaf& leaf : leaves) field.add_leaf(leaf, leaf, kUnknownTime);
   }
   if (has_own) field.read_own(in);
   field.place_records(*in);

@@ -9,13 +9,14 @@ constexpr std::uint64_t kOccupiedBits = 0xAAAAAAAAAAAAAAAAull;  // the higher of
 
 }  // namespace
 
-void CompressedField::add_leaf(const Leaf& leaf, const Leaf& own) {
+void CompressedField::add_leaf(const Leaf& leaf, const Leaf& own, std::uint8_t own_time) {
   const std::size_t bit = leaves_.size() & 63;
   if (bit == 0) own_bits_.push_back(0);
   leaves_.push_back(leaf);
   if (own.hits == 0) return;
   own_bits_.back() |= std::uint64_t{1} << bit;
   own_leaves_.push_back(own);
+  own_times_.push_back(own_time);
 }
 
 CompressedField CompressedField::own_surface() const {
@@ -31,7 +32,7 @@ CompressedField CompressedField::own_surface() const {
       for (std::size_t word = 0; word < states.size(); ++word) {
         for (std::uint64_t bits = states[word] & kOccupiedBits; bits != 0; bits &= bits - 1, ++leaf) {
           if (is_own(leaf)) {
-            out.add_leaf(own_leaves_[own], own_leaves_[own]);
+            out.add_leaf(own_leaves_[own], own_leaves_[own], own_times_[own]);
             ++own;
           } else {
             states[word] &= ~(bits & (~bits + 1));
@@ -49,8 +50,10 @@ CompressedField CompressedField::own_surface() const {
 
 /// One bit per leaf says whether it has an own one too.
 void CompressedField::read_own(base::ByteReader* in) {
-  own_leaves_.resize(in->get_count(sizeof(Leaf)));
+  own_leaves_.resize(in->get_count(sizeof(Leaf) + 1));
   in->get_raw(own_leaves_.data(), own_leaves_.size() * sizeof(Leaf));
+  own_times_.resize(own_leaves_.size());
+  in->get_raw(own_times_.data(), own_times_.size());
   if (has_values_) {
     if (!own_leaves_.empty()) in->fail("has own hits beside measured distances");
     return;

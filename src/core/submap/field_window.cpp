@@ -54,7 +54,7 @@ void FieldWindow::add_block(const CompressedField& field, int position, const In
         leaf_index_[at(x, y) * kSide + static_cast<std::size_t>(z + kHalo)] =
             static_cast<std::uint16_t>(leaves_.size());
         const geometry::Vec3f mean(leaf->mean[0], leaf->mean[1], leaf->mean[2]);
-        leaves_.push_back({x, y, z, mean * (1.0f / 254.0f), leaf->hits});
+        leaves_.push_back({x, y, z, mean * (1.0f / 254.0f), leaf->hits, field.phase_of(leaf)});
       }
     }
   });

@@ -17,6 +17,7 @@ struct Candidate {
   geometry::Vec3f point;  ///< m, frame G
   geometry::Vec3f normal;
   float weight;
+  float phase = 0.5f;
 };
 using Cell = std::vector<Candidate>;
 using CellsOfBlock = std::array<Cell, 64>;
@@ -51,7 +52,8 @@ std::vector<SurfacePoint> pick(const std::vector<Cell>& cells, const geometry::P
     for (std::size_t i = 0; i < take; ++i) {
       const Candidate& chosen = *next[i * next.size() / take];
       const Vec3 normal = T_S_G.linear() * chosen.normal.cast<double>();
-      out.push_back({(T_S_G * chosen.point.cast<double>().eval()).cast<float>(), normal.cast<float>(), chosen.weight});
+      out.push_back({(T_S_G * chosen.point.cast<double>().eval()).cast<float>(), normal.cast<float>(), chosen.weight,
+                     chosen.phase});
     }
   }
   return out;
@@ -75,7 +77,7 @@ std::vector<SurfacePoint> sample_surface(const CompressedField& field, double re
       const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean.cast<double>()) * resolution_m;
       const int cell = CompressedField::cell_of(leaf.x | (leaf.y << 4) | (leaf.z << 8));
       cells[static_cast<std::size_t>(cell)].push_back(
-          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.hits)});
+          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.hits), leaf.phase});
     }
     append_sorted(std::move(cells), &all);
   }

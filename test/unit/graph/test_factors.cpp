@@ -124,3 +124,32 @@ TEST(PositionFactor, AnalyticJacobiansEqualNumericOnes) {
     EXPECT_LT((J_datum - numeric(of_datum, datum)).norm(), 1e-5);
   }
 }
+
+TEST(SeenAt, LiesBetweenItselfAndWhereTheNeighbourSaysItShouldBe) {
+  for (const bool is_before : {false, true}) {
+    const Pose4 own = random_pose();
+    const Pose4 step(uniform(-5, 5), uniform(-5, 5), uniform(-1, 1), 0.3);
+    // A neighbour that odometry agrees with moves nothing.
+    const Pose4 neighbour = is_before ? compose(own, relative(step, Pose4::Zero())) : compose(own, step);
+    const SeenAt at{0.3, is_before, step.head<3>()};
+    EXPECT_LT((at.evaluate(own, neighbour, nullptr, nullptr) - own).norm(), 1e-9);
+    // One that has drifted takes its share of the submap along.
+    const Pose4 drift(1.0, -2.0, 0.5, 0.0);
+    EXPECT_LT((at.evaluate(own, neighbour + drift, nullptr, nullptr) - (own + 0.3 * drift)).norm(), 1e-9);
+  }
+}
+
+TEST(SeenAt, JacobiansAreThoseOfTheFunction) {
+  for (int i = 0; i < 50; ++i) {
+    const Pose4 own = random_pose();
+    const Pose4 neighbour = random_pose();
+    const SeenAt at{uniform(0, 0.5), i % 2 == 0, Eigen::Vector3d(uniform(-9, 9), uniform(-9, 9), uniform(-2, 2))};
+    Matrix4 of_own;
+    Matrix4 of_neighbour;
+    at.evaluate(own, neighbour, &of_own, &of_neighbour);
+    const auto by_own = [&](const Pose4& x) { return at.evaluate(x, neighbour, nullptr, nullptr); };
+    const auto by_neighbour = [&](const Pose4& x) { return at.evaluate(own, x, nullptr, nullptr); };
+    EXPECT_LT((of_own - numeric(by_own, own)).norm(), 1e-6);
+    EXPECT_LT((of_neighbour - numeric(by_neighbour, neighbour)).norm(), 1e-6);
+  }
+}

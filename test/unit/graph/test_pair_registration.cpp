@@ -62,7 +62,11 @@ TEST(DrawSample, DropsPointsThatAreNotFinite) {
 }
 
 TEST(EvaluatePair, GradientEqualsNumericOne) {
-  const Pair& pair = forest_pair();
+  Pair pair = forest_pair();
+  // Of planes only the part along the normal is believed, which is not the gradient of the interpolated distance.
+  for (SurfaceSample* sample : {&pair.a, &pair.b}) {
+    for (SamplePoint& point : sample->points) point.is_planar = false;
+  }
   const Pose4 T = pair.truth + Pose4(0.2, -0.15, 0.1, 0.02);
   const PairOverlap overlap = find_overlap(pair.a, pair.b, T, 200);
   // A wide kernel makes the cost smooth over the step; trilinear cells still have kinks, hence the tolerance.
@@ -78,6 +82,28 @@ TEST(EvaluatePair, GradientEqualsNumericOne) {
                          (2.0 * step);
     EXPECT_NEAR(2.0 * model.gradient[k], slope, 0.02 * std::abs(slope) + 1e-3) << "parameter " << k;
   }
+}
+
+TEST(EvaluatePair, TheEndOfAPlaneSaysNothingAlongIt) {
+  // A saw the ground up to x = 0, B beyond it: the nearest point of A lies beside every point of B, not only below.
+  const voxnav::geometry::Aabb box{Vec3(-8, -8, -2), Vec3(8, 8, 2)};
+  const auto ground = [](double first, double last) {
+    std::vector<SurfacePoint> points;
+    for (double x = first; x < last; x += 0.4) {
+      for (double y = -4.0; y < 4.0; y += 0.4)
+        points.push_back({Vec3(x, y, 0.05).cast<float>(), voxnav::geometry::Vec3f::UnitZ(), 0.8f});
+    }
+    return points;
+  };
+  const auto to_end = [](const Vec3& p) { return std::hypot(std::max(p.x(), 0.0), p.z()); };
+  const auto flat = [](const Vec3& p) { return std::abs(p.z()); };
+  const SurfaceSample a = draw_sample(std::make_shared<GridField>(box, 0.4, to_end, ground(-4.0, 0.0)), 400, 1.6);
+  const SurfaceSample b = draw_sample(std::make_shared<GridField>(box, 0.4, flat, ground(0.05, 0.4)), 400, 1.6);
+  const PairOverlap overlap = find_overlap(a, b, Pose4::Zero(), 200);
+  const PairModel model = evaluate_pair(a, b, overlap, Pose4::Zero(), 0.8);
+  EXPECT_EQ(model.hessian(0, 0), 0.0);
+  EXPECT_EQ(model.gradient[0], 0.0);
+  EXPECT_GT(model.hessian(2, 2), 0.0);
 }
 
 TEST(EvaluatePair, LosingOverlapCostsAsMuchAsAnOutlier) {

@@ -48,6 +48,7 @@ std::string remembered(MapContent content) {
     for (OccupiedLeaf& leaf : block.occupied) {
       leaf.own_mean = {};
       leaf.own_hits = 0;
+      leaf.own_time = 0;
     }
   }
   return content.to_bytes();
@@ -89,6 +90,21 @@ TEST(HandoverHits, NothingThatIsBelievedChanges) {
   EXPECT_LT(num_own(with.content()), num_own(without.content()));
   EXPECT_EQ(with.centers_above(0.5), without.centers_above(0.5));
   EXPECT_EQ(with.centers_below(0.3), without.centers_below(0.3));
+}
+
+TEST(HandoverHits, TellWhenTheyWere) {
+  const Vec3 early(5.05, 0.2, 0.2);
+  const Vec3 late(0.2, 6.05, 0.2);
+  const Vec3 always(0.2, -6.05, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 100; ++i) {
+    if (i == 0) map.hand_over();
+    insert_from(&map, kOrigin, {always, i < 20 ? early : late});
+  }
+  const MapContent content = map.hand_over();
+  EXPECT_NEAR(leaf_at(content, early).own_time, 0.1 * 255, 2);
+  EXPECT_NEAR(leaf_at(content, late).own_time, 0.6 * 255, 2);
+  EXPECT_NEAR(leaf_at(content, always).own_time, 0.5 * 255, 2);
 }
 
 TEST(HandoverHits, CountersSaturate) {

@@ -72,7 +72,7 @@ TEST(OwnSurface, SubmapsOfBeforeCountEverythingAsOwn) {
   const auto now = Submap::from_content(test::random_content(4, 24, 0.02, 0.3, kVoxel), Pose::Identity(), {});
   std::string bytes = now->to_bytes();
   const std::size_t leaves = now->occupied_points().size();
-  const std::size_t own = 8 + 4 * leaves + 8 * ((leaves + 63) / 64);  // what version 3 added, before the point list
+  const std::size_t own = 8 + 5 * leaves + 8 * ((leaves + 63) / 64);  // what version 3 added, before the point list
   bytes.erase(bytes.size() - 4 - 8 - own, own);
   bytes[4] = 2;
   base::ByteWriter sealed;
