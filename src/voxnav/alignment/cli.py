@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 from voxnav.alignment.flight import kept_flight, world_of
-from voxnav.alignment.measure import aligned_surface, solve, surface_share
+from voxnav.alignment.measure import aligned_surface, merged_surface, own_surface, solve, surface_share
 from voxnav.alignment.pictures import draw_errors, draw_trunks
 from voxnav.alignment.scenarios import SCENARIOS
 
@@ -37,17 +37,18 @@ def evaluate(scenario, seed, out, flights):
     draw_errors(os.path.join(out, name + ".png"), "%s, seed %d" % (scenario.about, seed), flight, solved)
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
     half_voxel_m = 0.2
-    surfaces = {
-        "before": aligned_surface(flight, {r.id: r.T_O_S for r, _ in flight.submaps}, flight.T_O_B[rows],
-                                  solved.T_true),
-        "after": aligned_surface(flight, solved.session.graph.poses(), solved.T_W_B, solved.T_true)}
+    sides = {"before": ({r.id: r.T_O_S for r, _ in flight.submaps}, flight.T_O_B[rows]),
+             "after": (solved.session.graph.poses(), solved.T_W_B)}
+    own, merged = ({key: aligned_surface(surface(flight, T_W_S), T_est, solved.T_true)
+                    for key, (T_W_S, T_est) in sides.items()} for surface in (own_surface, merged_surface))
     if hasattr(world, "trunks"):
-        draw_trunks(os.path.join(out, name + "_trunks.png"), surfaces, world, flight.T_W_B[0][:2, 3])
+        draw_trunks(os.path.join(out, name + "_trunks.png"), own, world, flight.T_W_B[0][:2, 3])
     return {
         "scenario": scenario.name, "seed": seed, "submaps": len(flight.submaps), "pairs": solved.reports[-1].pairs,
         "before": _numbers(solved.before), "after": _numbers(solved.after),
         "worst_excess_m": float(solved.worst_excess_m),
-        "surface_share": {key: surface_share(points, world, half_voxel_m) for key, points in surfaces.items()},
+        "surface_share": {key: surface_share(points, world, half_voxel_m) for key, points in own.items()},
+        "map_share": {key: surface_share(points, world, half_voxel_m) for key, points in merged.items()},
         "solve_cpu_s": {"mean": float(seconds.mean()), "max": float(seconds.max()), "last": float(seconds[-1])}}
 
 
@@ -57,13 +58,14 @@ def _numbers(errors):
 
 
 def _print_errors(results):
-    print("\nTrajectory error [m]: RMSE after SE(3) alignment, by axis; way from start to end; surface within 0.2 m")
-    print("scenario  seed submaps pairs |  before   x     y     z   start-end surface |   after   x     y     z   "
-          "start-end surface | solve CPU mean, max [s]")
+    print("\nTrajectory error [m]: RMSE after SE(3) alignment, by axis; way from start to end; share of what "
+          "submaps saw themselves, and of the merged map, within 0.2 m of the true surface")
+    print("scenario  seed submaps pairs |  before   x     y     z   start-end   own     map |   after   x     y     z   "
+          "start-end   own     map | solve CPU mean, max [s]")
     for r in results:
-        sides = ["%7.3f %5.3f %5.3f %5.3f %9.3f %6.1f %%" % (
-            r[k]["rmse_m"], *r[k]["axis_m"], r[k]["closure_m"], 100.0 * r["surface_share"][k])
-            for k in ("before", "after")]
+        sides = ["%7.3f %5.3f %5.3f %5.3f %9.3f %5.1f %% %5.1f %%" % (
+            r[k]["rmse_m"], *r[k]["axis_m"], r[k]["closure_m"], 100.0 * r["surface_share"][k],
+            100.0 * r["map_share"][k]) for k in ("before", "after")]
         print("%-9s %4d %7d %5d | %s | %s | %.3f %.3f" % (
             r["scenario"], r["seed"], r["submaps"], r["pairs"], *sides, r["solve_cpu_s"]["mean"],
             r["solve_cpu_s"]["max"]))

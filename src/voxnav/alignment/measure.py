@@ -49,10 +49,20 @@ def merged_surface(flight, T_W_S_by_id):
     return collection.occupied_points().astype(np.float64)
 
 
-def aligned_surface(flight, T_W_S_by_id, T_est, T_true):
-    """The merged surface, put where the trajectory fits the true one best."""
+def own_surface(flight, T_W_S_by_id):
+    """(n, 3) points that each submap saw itself, in W: what alignment moves."""
+    parts = []
+    for record, submap in flight.submaps:
+        T = T_W_S_by_id[record.id]
+        points = submap.registration_field().surface_points().astype(np.float64)
+        parts.append(points @ T[:3, :3].T + T[:3, 3])
+    return np.concatenate(parts)
+
+
+def aligned_surface(points, T_est, T_true):
+    """Points put where the trajectory fits the true one best."""
     R, t = align_se3(T_est[:, :3, 3], T_true[:, :3, 3])
-    return merged_surface(flight, T_W_S_by_id) @ R.T + t
+    return points @ R.T + t
 
 
 def surface_share(points, world, within_m, limit=40000):

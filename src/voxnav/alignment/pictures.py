@@ -37,7 +37,7 @@ def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
     for ax, (title, points) in zip(axes, surfaces.items()):
         height = points[:, 2] - world.ground_height(points[:, 0], points[:, 1])
         near = np.all(np.abs(points[:, :2] - center) < half_width_m, axis=1) & (height > 0.8) & (height < 2.8)
-        ax.scatter(points[near, 0], points[near, 1], s=5, color="tab:blue", label="surface points of the merged map")
+        ax.scatter(points[near, 0], points[near, 1], s=5, color="tab:blue", label="what submaps saw themselves")
         for k in range(len(trunks)):
             share = 1.8 / max(trunks.top[k, 2] - trunks.ground[k, 2], 1.8)
             at = trunks.ground[k, :2] + share * (trunks.top[k] - trunks.ground[k])[:2]
