@@ -10,7 +10,7 @@ namespace voxnav::pipeline {
 
 struct LoadControlConfig {
   double max_busy_share = 0.8;
-  int max_decimation = 8;
+  int max_decimation = 2;
   int calm_scans = 20;
 
   template <class V>

@@ -23,6 +23,7 @@ void ScanPart::clear() {
 }
 
 void ScanPart::add(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
+  runs_.reserve(n / 3);  // most scans make no more, and doubling would take more
   for (std::size_t i = 0; i < n; i += kChunk) {
     add_chunk(points + i * stride, std::min(kChunk, n - i), stride, frame);
   }
