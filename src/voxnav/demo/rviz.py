@@ -49,9 +49,15 @@ def show(args, env, record, rviz, rviz_config, trunks=None):
     pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
     if args.no_rviz:
         return []
-    rviz = rviz or Rviz(env, rviz_config, os.path.join(args.out, "rviz.log"))
+    note = _picture(rviz or Rviz(env, rviz_config, os.path.join(args.out, "rviz.log")), args.out)
+    if note:  # rviz itself sometimes dies as it starts
+        note = _picture(Rviz(env, rviz_config, os.path.join(args.out, "rviz_again.log")), args.out)
+    return [note] if note else []
+
+
+def _picture(rviz, out):
+    """Takes it and stops rviz. Returns what could not be done, or ''."""
     try:
-        note = rviz.picture(os.path.join(args.out, "rviz.png"))
+        return rviz.picture(os.path.join(out, "rviz.png"))
     finally:
         rviz.stop()
-    return [note] if note else []
