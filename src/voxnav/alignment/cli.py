@@ -60,8 +60,8 @@ def _numbers(errors):
 def _print_errors(results):
     print("\nTrajectory error [m]: RMSE after SE(3) alignment, by axis; way from start to end; share of what "
           "submaps saw themselves, and of the merged map, within 0.2 m of the true surface")
-    print("scenario  seed submaps pairs |  before   x     y     z   start-end   own     map |   after   x     y     z   "
-          "start-end   own     map | solve CPU mean, max [s]")
+    print("scenario  seed submaps pairs |  before   x     y     z   start-end   own     map |"
+          "   after   x     y     z   start-end   own     map | solve CPU mean, max [s]")
     for r in results:
         sides = ["%7.3f %5.3f %5.3f %5.3f %9.3f %5.1f %% %5.1f %%" % (
             r[k]["rmse_m"], *r[k]["axis_m"], r[k]["closure_m"], 100.0 * r["surface_share"][k],
