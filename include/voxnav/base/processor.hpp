@@ -23,10 +23,12 @@
 namespace voxnav::base {
 
 namespace detail {
-extern const bool kIsWide;
+extern bool uses_wide;
 }
 
-/// Whether functions marked VOXNAV_WIDE can run here. Not while static variables are still being made.
-inline bool is_wide() { return detail::kIsWide; }
+/// Whether functions marked VOXNAV_WIDE are to run. Not to be asked while static variables are still being made.
+inline bool is_wide() { return detail::uses_wide; }
+/// Says whether they shall; no effect where they cannot. So that tests reach both; not while others work.
+void use_wide(bool use);
 
 }  // namespace voxnav::base

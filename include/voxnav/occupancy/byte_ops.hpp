@@ -97,8 +97,7 @@ VOXNAV_WIDE VOXNAV_INLINE unsigned below(__m256i a, __m256i b) {
   return ~static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a)));
 }
 
-VOXNAV_WIDE VOXNAV_INLINE Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask,
-                                                         const Subtraction& by) {
+VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   const __m256i step = _mm256_set1_epi8(static_cast<char>(by.amount));
   const __m256i free_limit = _mm256_set1_epi8(static_cast<char>(by.free_end));
   const __m256i occupied_limit = _mm256_set1_epi8(static_cast<char>(by.occupied_min));
@@ -122,7 +121,7 @@ VOXNAV_WIDE VOXNAV_INLINE Subtracted subtract_where_wide(std::uint8_t* cells, st
   return out;
 }
 #else
-VOXNAV_INLINE Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   return subtract_where_plain(cells, mask, by);
 }
 #endif
