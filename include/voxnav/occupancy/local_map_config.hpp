@@ -27,7 +27,7 @@ struct LocalMapConfig {
   double guard_sigmas = 2.0;
   double guard_spread_voxels = 0.05;
   double guard_end_voxels = 1.5;
-  int guard_octants = 7;
+  int guard_octants = 8;
   int guard_patience = 8;
   int num_threads = 1;
   double max_memory_mb = 4096.0;

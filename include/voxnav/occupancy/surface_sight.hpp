@@ -12,7 +12,7 @@ struct MissGuard {
   float sigmas = 2.0f;
   float spread_voxels = 0.05f;
   float end_voxels = 1.5f;
-  int octants = 7;
+  int octants = 8;
   int patience = 8;
 };
 

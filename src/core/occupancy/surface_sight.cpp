@@ -44,6 +44,16 @@ VOXNAV_INLINE Floats dot(const geometry::Vec3f& a, const Vec& b) { return a.x() 
 VOXNAV_INLINE Vec along(Floats scale, const Vec& a, const geometry::Vec3f& b) {
   return {scale * a.x - b.x(), scale * a.y - b.y(), scale * a.z - b.z()};
 }
+/// Square roots, to a thousandth: by two steps of Newton's method from a guess that halves the exponent.
+VOXNAV_INLINE Floats square_root(Floats x) {
+  Ints bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  bits = (bits >> 1) + 0x1FBD1DF5;
+  Floats root;
+  std::memcpy(&root, &bits, sizeof root);
+  root = 0.5f * (root + x / root);
+  return 0.5f * (root + x / root);
+}
 VOXNAV_INLINE Vec weighted(const HitSpread& spread, const Vec& v) {
   const auto& m = spread.adjugate;
   return {m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
@@ -94,8 +104,13 @@ VOXNAV_INLINE std::uint8_t SurfaceSight::look(const Target& target, const Beams&
     const Floats cross = dot(across, weighted_end);
     const Floats off = dot(across, weighted(spread, across)) * dot(end, weighted_end) - cross * cross;
     const Ints meets = off <= limit * dot(end, weighted_end);
-    const Ints octant = ((at.x > 0.0f) & 1) | ((at.y > 0.0f) & 2) | ((at.z > 0.0f) & 4);
-    all |= (meets ? Ints{} + 0xFF : (Ints{} + 1) << octant) & inside & is_behind & (end_sq > 0.0f);
+    // Octants before and after that point: those at it alone would be six at most for beams along a diagonal.
+    const Floats quarter = 0.25f * square_root(inverse_sq);
+    const auto octant_at = [&](Floats ahead) {
+      const Floats px = at.x + ahead * end.x, py = at.y + ahead * end.y, pz = at.z + ahead * end.z;
+      return (Ints{} + 1) << (((px > 0.0f) & 1) | ((py > 0.0f) & 2) | ((pz > 0.0f) & 4));
+    };
+    all |= (meets ? Ints{} + 0xFF : octant_at(-quarter) | octant_at(quarter)) & inside & is_behind & (end_sq > 0.0f);
   }
   std::int32_t out = 0;
   for (int i = 0; i < kLanes; ++i) out |= all[i];
