@@ -69,7 +69,7 @@ struct LocalMapConfig {
 
   /// Blocks along each axis of the window, always odd: the sensor stays in or next to the middle one.
   std::array<int, 3> window_blocks() const;
-  /// Upper bound of what a map of this configuration can ever allocate.
+  /// Upper bound of what a map of this configuration can ever allocate, beside some bytes per point of a scan.
   double worst_case_bytes() const;
 };
 
