@@ -37,6 +37,10 @@ struct PairModel {
   double radius_m = 1.0;                               ///< horizontal rms distance from center_A
 };
 
+/// The cost of evaluate_pair() alone, or some cost of at least `enough_m2` as soon as it is known to be that much.
+double cost_up_to(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
+                  double kernel_m, double enough_m2);
+
 /// Geman-McClure kernel of width `kernel_m`: residuals far beyond it cost kernel_m² and pull no more.
 /// O(points); deterministic.
 PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,

@@ -23,6 +23,7 @@ class OwnSurface final : public geometry::DistanceField {
 
  private:
   std::shared_ptr<const Submap> own_;
+  std::shared_ptr<const CompressedField> content_;  ///< of own_, which never moves to disk
   double reach_m_;
 };
 

@@ -41,7 +41,12 @@ class Submap final : public geometry::DistanceField {
   /// Distances near surfaces are derived block by block when they are first asked for, and cached within a limit.
   /// @complexity near surfaces O(1) while their block is cached, else O(blocks within reach)
   /// @throws std::runtime_error when the submap was moved to disk and cannot be read back
-  bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
+  bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override {
+    return sample_in(*field(), p_S, distance_m, gradient);
+  }
+  /// The same for who holds its field() already, which takes a lock.
+  bool sample_in(const CompressedField& content, const geometry::Vec3& p_S, double* distance_m,
+                 geometry::Vec3* gradient) const;
   /// Derived when first asked for.
   const std::vector<geometry::SurfacePoint>& surface_points() const override { return surface().points; }
   geometry::Aabb surface_bounds() const override { return surface().bounds; }

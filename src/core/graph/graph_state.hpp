@@ -57,6 +57,7 @@ struct RegistrationPair {
   int b;
   bool is_active = false;  ///< enough overlap; inactive ones are kept so that they are not tested again and again
   Pose4 considered_at = Pose4::Zero();  ///< relative pose in the graph when points were last chosen
+  Pose4 registered_at = Pose4::Zero();  ///< where registration then put it, seen_relative()
   PairOverlap overlap;
   PairModel model;
   RelativePoseFactor factor;

@@ -125,6 +125,37 @@ PairOverlap find_overlap(const SurfaceSample& a, const SurfaceSample& b, const P
   return out;
 }
 
+double cost_up_to(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
+                  double kernel_m, double enough_m2) {
+  const double kernel2 = kernel_m * kernel_m;
+  double total = 0.0;
+  for (const std::uint32_t i : overlap.of_a) total += a.points[i].weight;
+  for (const std::uint32_t i : overlap.of_b) total += b.points[i].weight;
+  double cost = 0.0;
+  const double enough = enough_m2 * total;
+  const auto add = [&](const SamplePoint& point, const geometry::DistanceField& field, const Vec3& q) {
+    double distance_m = 0.0;
+    if (!field.sample(q, &distance_m, nullptr)) {
+      cost += point.weight * kernel2;
+      return;
+    }
+    const double residual = distance_m - point.own_distance_m;
+    cost += point.weight * residual * residual * kernel2 / (kernel2 + residual * residual);
+  };
+  const geometry::Pose T = to_pose(T_A_B), T_B_A = T.inverse();
+  for (std::size_t k = 0; k < std::max(overlap.of_a.size(), overlap.of_b.size()) && cost < enough; ++k) {
+    if (k < overlap.of_b.size()) {
+      const SamplePoint& point = b.points[overlap.of_b[k]];
+      add(point, *a.field, T * point.position_S);
+    }
+    if (k < overlap.of_a.size()) {
+      const SamplePoint& point = a.points[overlap.of_a[k]];
+      add(point, *b.field, T_B_A * point.position_S);
+    }
+  }
+  return total > 0.0 ? cost / total : kernel2;
+}
+
 PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                         double kernel_m) {
   Sums sums;

@@ -67,11 +67,14 @@ std::vector<Candidate> score_grid(const SurfaceSample& a, const SurfaceSample& b
   const int n_xy = steps_within(search.range_m, search.step_m);
   const int n_yaw = std::min(steps_within(search.range_rad, step_rad), 45);
   std::vector<Candidate> out;
+  // What costs clearly more than the best neither is it nor keeps it from standing out.
+  double enough = std::numeric_limits<double>::infinity();
   for (int k = -n_yaw; k <= n_yaw; ++k) {
     for (int j = -n_xy; j <= n_xy; ++j) {
       for (int i = -n_xy; i <= n_xy; ++i) {
         const Pose4 T = moved(T_A_B, extent.center, i * search.step_m, j * search.step_m, k * step_rad);
-        out.push_back({T, evaluate_pair(a, b, everything, T, search.step_m).cost_m2});
+        out.push_back({T, cost_up_to(a, b, everything, T, search.step_m, enough)});
+        if (search.min_advantage > 0.0) enough = std::min(enough, out.back().cost / search.min_advantage);
       }
     }
   }

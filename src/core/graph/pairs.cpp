@@ -145,8 +145,13 @@ void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   *pair = std::move(here);
 }
 
-bool is_stale(const RegistrationPair& pair, const Pose4& T_A_B, double refresh_m) {
-  return motion_m(pair.considered_at, T_A_B, pair.model.radius_m) > refresh_m;
+/// Its points were chosen for another place than where the pair is now. Where registration itself has put it is no such
+/// place: a loop that closes brings most pairs there.
+bool is_stale(const GraphState& state, const RegistrationPair& pair, const Pose4& T_A_B) {
+  const double radius_m = pair.model.radius_m, refresh_m = state.config.overlap_refresh_m;
+  if (motion_m(pair.considered_at, T_A_B, radius_m) <= refresh_m) return false;
+  return !pair.is_active ||
+         motion_m(pair.registered_at, seen_relative(state, state.estimate.poses, pair), radius_m) > refresh_m;
 }
 
 /// Pairs to (re)consider: candidates of the index, at most so many per submap, unknown or moved since.
@@ -170,7 +175,7 @@ std::vector<RegistrationPair*> pairs_to_form(GraphState* state, bool is_full) {
       found->second.b = candidate.b;
     }
     const Pose4 T_A_B = relative_of(state->estimate.poses, candidate.a, candidate.b);
-    if (is_new || is_full || is_stale(found->second, T_A_B, config.overlap_refresh_m)) out.push_back(&found->second);
+    if (is_new || is_full || is_stale(*state, found->second, T_A_B)) out.push_back(&found->second);
   }
   return out;
 }
@@ -217,8 +222,9 @@ void update_pairs(GraphState* state, bool is_full, OptimizeReport* report) {
   if (!state->uses(ConstraintKind::kRegistration)) return;
   for (RegistrationPair* pair : pairs_to_form(state, is_full)) {
     const Pose4 T_A_B = relative_of(state->estimate.poses, pair->a, pair->b);
-    pair->considered_at = T_A_B;
     register_pair(*state, T_A_B, pair, report);
+    pair->considered_at = T_A_B;
+    pair->registered_at = pair->model.T_A_B;
     report->num_new_pairs += pair->is_active;
   }
 }

@@ -151,6 +151,9 @@ void add_absolutes(const GraphState& state, Estimate* x, double* map_frame, cere
 ceres::Solver::Options options_of(const SubmapGraphConfig& config) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  // Graphs are small, and the BLAS behind SuiteSparse has threads that spin while they wait.
+  if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;  // sums in one order: the same input gives the same bits
   options.max_num_iterations = config.max_solver_iterations;
   options.max_solver_time_in_seconds = 1e9;  // work is bounded by iterations, not by the clock

@@ -17,12 +17,13 @@ std::shared_ptr<const Submap> own_part(const Submap& submap, double reach_m) {
 
 OwnSurface::OwnSurface(const Submap& submap)
     : own_(own_part(submap, submap.config().band_voxels * submap.resolution_m())),
+      content_(own_->field()),
       reach_m_(submap.config().band_voxels * submap.resolution_m()) {}
 
 bool OwnSurface::sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const {
   double distance = 0.0;
   geometry::Vec3 slope = geometry::Vec3::Zero();
-  if (!own_->sample(p_S, &distance, gradient ? &slope : nullptr) || !(std::abs(distance) < reach_m_)) return false;
+  if (!own_->sample_in(*content_, p_S, &distance, gradient ? &slope : nullptr) || !(std::abs(distance) < reach_m_)) return false;
   *distance_m = distance;
   if (gradient) *gradient = slope;
   return true;

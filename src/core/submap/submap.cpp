@@ -118,21 +118,20 @@ const std::vector<bool>& Submap::thin_leaves() const {
   return *thin_;
 }
 
-bool Submap::sample(const Vec3& p_S, double* distance_m, Vec3* gradient) const {
+bool Submap::sample_in(const CompressedField& content, const Vec3& p_S, double* distance_m, Vec3* gradient) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
   if (!(p.array().abs() < kMaxIndex).all()) return false;
-  const auto content = field();
   const Index3 voxel = floor_index(p);
-  const int position = content->position_of(geometry::block_of(voxel));
+  const int position = content.position_of(geometry::block_of(voxel));
   if (position < 0) return false;
-  const State state = content->state(position, geometry::offset_in_block(voxel));
+  const State state = content.state(position, geometry::offset_in_block(voxel));
   if (state == State::kUnknown) return false;
   double distance = 0.0;
   Vec3 slope = Vec3::Zero();
   if (config_.certified) {
-    sample_certified(*content, position, p, &distance, &slope);
-  } else if (!sample_near(*content, position, p, &distance, &slope)) {
-    sample_far(*content, p, CompressedField::Target::kSurfacePoint, &distance, &slope);
+    sample_certified(content, position, p, &distance, &slope);
+  } else if (!sample_near(content, position, p, &distance, &slope)) {
+    sample_far(content, p, CompressedField::Target::kSurfacePoint, &distance, &slope);
     if (state == State::kOccupied) {
       // Only where a projective submap ends right at the surface: the sign is that of the voxel.
       distance = -distance;
