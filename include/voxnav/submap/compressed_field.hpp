@@ -85,6 +85,7 @@ class CompressedField {
   /// Whether the submap saw anything of the i-th block itself.
   bool has_own(std::size_t i) const { return blocks_[i].has_own; }
   std::size_t num_leaves() const { return leaves_.size(); }
+  std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_leaves_.size(); }
   /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
   /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
   CompressedField own_surface() const;

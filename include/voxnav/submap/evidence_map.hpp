@@ -61,8 +61,8 @@ class EvidenceMap {
   static void remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block);
 
   bool is_near_enough(const PlacedSubmap& submap, const geometry::Vec3& p_W, const EvidenceLeaf& leaf) const;
-  bool sees_below(const PlacedSubmap& submap, const geometry::Vec3& p_W) const;
-  void doubt(const geometry::Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const;
+  void doubt(const geometry::Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
+             EvidenceBlock* block) const;
 
   EvidenceRules rules_;
   std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash> blocks_;

@@ -28,6 +28,12 @@ struct EvidenceLeaf {
   double range_m() const { return range == 255 ? 0.0 : 0.5 * range; }
 };
 
+/// Of a leaf, in voxel edges from the corner of its block.
+inline geometry::Vec3 local_point(const EvidenceLeaf& leaf) {
+  return {(leaf.offset & 15) + 0.5 + leaf.mean[0] / 254.0, ((leaf.offset >> 4) & 15) + 0.5 + leaf.mean[1] / 254.0,
+          (leaf.offset >> 8) + 0.5 + leaf.mean[2] / 254.0};
+}
+
 /// What of a submap counts: what it saw itself, or also what its local map remembered of submaps before it. The latter
 /// lies where odometry put it, which no correction of this submap's pose puts right.
 enum class Knowledge { kOwn, kAll };
@@ -51,8 +57,28 @@ class PlacedSubmap {
     const EvidenceLeaf* end() const { return last; }
   };
   Range leaves(const geometry::Index3& block) const;
-  /// Whether a point of W lies in free space of this submap.
-  bool is_free(const geometry::Vec3& p_W) const;
+  /// Answers for the leaves of one block of W whether they lie in free space of this submap: the blocks of the submap
+  /// that it touches are looked up once. No longer than the submap lives.
+  class FreeInBlock {
+   public:
+    FreeInBlock(const PlacedSubmap& submap, const geometry::Index3& block);
+    bool is_free(const EvidenceLeaf& leaf) const { return is_free_at(local_point(leaf)); }
+    /// The same of the place one voxel below.
+    bool is_free_below(const EvidenceLeaf& leaf) const {
+      return is_free_at(local_point(leaf) - geometry::Vec3(0.0, 0.0, 1.0));
+    }
+
+   private:
+    bool is_free_at(const geometry::Vec3& p) const;
+
+    static constexpr int kSide = 4;  ///< a block turned in any way, and one voxel more, touches no more than this
+    const PlacedSubmap* submap_;
+    geometry::Vec3 origin_G_;   ///< of the block, in voxels of the submap
+    Eigen::Matrix3d R_G_W_;     ///< and a step of one voxel of W
+    geometry::Index3 first_G_;  ///< lowest block of the submap that it touches
+    mutable std::uint64_t looked_up_ = 0;
+    mutable std::array<const Columns*, kSide * kSide * kSide> free_;
+  };
   /// Whether this submap hit something nearer than distance_m to a point of W.
   bool has_surface_within(const geometry::Vec3& p_W, double distance_m) const;
   /// Distance from a point to where the sensor was nearest to it; nothing when that is not known.

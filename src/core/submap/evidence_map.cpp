@@ -63,11 +63,12 @@ void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
 }
 
 /// A doubt lasts until a submap has a surface there: a sparse sensor sees a voxel and the one below it at other times.
-void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, EvidenceBlock* block) const {
+void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
+                        EvidenceBlock* block) const {
   for (EvidenceLeaf& leaf : block->leaves) {
-    const Vec3 p_W = point_of(index, leaf);
-    const bool is_free = submap.is_free(p_W);
+    const bool is_free = free.is_free(leaf);
     if (!is_free && !leaf.is_doubted) continue;
+    const Vec3 p_W = point_of(index, leaf);
     if (submap.has_surface_within(p_W, rules_.clearing_distance_m)) {
       leaf.is_doubted = false;
     } else if (is_free) {
@@ -79,7 +80,8 @@ void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, Evidenc
 /// Newer points replace the older ones of their voxel; newer free space removes others.
 void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, const Columns& seen,
                              EvidenceBlock* block) const {
-  doubt(index, submap, block);
+  const PlacedSubmap::FreeInBlock free(submap, index);
+  doubt(index, submap, free, block);
   // Of blocks below only the submap's own word counts: what is merged there may be of any age.
   Columns open = block->states.free;
   for (const EvidenceLeaf& leaf : block->leaves) {
@@ -88,19 +90,17 @@ void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, co
   const auto is_over = [&](const EvidenceLeaf& leaf) {
     if (has(seen, leaf)) return true;
     if (!leaf.is_doubted) return false;
-    if (!has_below(open, leaf) && !sees_below(submap, point_of(index, leaf))) return false;
+    // Below it is free space, or the ground that something stood on.
+    if (!has_below(open, leaf) && !free.is_free_below(leaf)) {
+      const Vec3 below_W = point_of(index, leaf) - Vec3(0.0, 0.0, rules_.resolution_m);
+      if (!submap.has_surface_within(below_W, rules_.resolution_m)) return false;
+    }
     remember_gone(leaf, submap.id(), block);
     return true;
   };
   block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_over), block->leaves.end());
   const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(seen, leaf); };
   block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
-}
-
-/// Whether the submap saw what is below a point: free space, or the ground that something stood on.
-bool EvidenceMap::sees_below(const PlacedSubmap& submap, const Vec3& p_W) const {
-  const Vec3 below_W = p_W - Vec3(0.0, 0.0, rules_.resolution_m);
-  return submap.is_free(below_W) || submap.has_surface_within(below_W, rules_.resolution_m);
 }
 
 /// Beams miss thin things from afar.

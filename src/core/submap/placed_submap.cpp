@@ -54,6 +54,7 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
     EvidenceLeaf leaf;
   };
   std::vector<Placed> placed;
+  placed.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
   const Eigen::Matrix3d R = T_W_G_.linear() * (submap_resolution_m_ / resolution_m_);
   const Vec3 t = T_W_G_.translation() / resolution_m_;
   Index3 last{1 << 30, 0, 0};
@@ -158,8 +159,25 @@ void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
   }
 }
 
-bool PlacedSubmap::is_free(const Vec3& p_W) const {
-  return is_free_voxel(floor_index(T_G_W_ * p_W / submap_resolution_m_));
+PlacedSubmap::FreeInBlock::FreeInBlock(const PlacedSubmap& submap, const Index3& block)
+    : submap_(&submap), R_G_W_(submap.T_G_W_.linear() * (submap.resolution_m_ / submap.submap_resolution_m_)) {
+  const Vec3 first(block.x, block.y, block.z);
+  origin_G_ = R_G_W_ * (first * kBlockSide) + submap.T_G_W_.translation() / submap.submap_resolution_m_;
+  // The lowest corner of the block and of the voxels below it.
+  const Eigen::Matrix3d lowest = (R_G_W_ * kBlockSide).cwiseMin(0.0);
+  first_G_ = geometry::block_of(floor_index(origin_G_ + lowest.rowwise().sum() - R_G_W_.col(2).cwiseMax(0.0)));
+}
+
+bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
+  const Index3 voxel = floor_index(origin_G_ + R_G_W_ * p);
+  const Index3 step = geometry::block_of(voxel) - first_G_;
+  const auto at = static_cast<std::size_t>(step.x + kSide * (step.y + kSide * step.z));
+  if (std::max({step.x, step.y, step.z}) >= kSide || std::min({step.x, step.y, step.z}) < 0)
+    return submap_->is_free_voxel(voxel);  // voxels of W larger than those of the submap
+  if (((looked_up_ >> at) & 1) == 0) free_[at] = submap_->free_of(first_G_ + step);
+  looked_up_ |= std::uint64_t{1} << at;
+  const int column = (voxel.x & 15) | (voxel.y & 15) << 4;
+  return free_[at] && (((*free_[at])[static_cast<std::size_t>(column)] >> (voxel.z & 15)) & 1) != 0;
 }
 
 bool PlacedSubmap::has_surface_within(const Vec3& p_W, double distance_m) const {
