@@ -218,6 +218,15 @@ void bind_submap(py::module_& m) {
   bind_one_submap(m);
   bind_integrator(m);
   bind_submap_collection(m);
+  m.def(
+      "set_distance_cache_mb",
+      [](int megabytes) {
+        if (megabytes < 1) throw py::value_error("the cache needs at least 1 MB");
+        submap::DistanceCache::set_limit_bytes(static_cast<std::size_t>(megabytes) << 20);
+      },
+      py::arg("megabytes"),
+      "How much of the distances around surfaces of all submaps of this process is kept at hand (24 MB at first). What "
+      "does not fit is derived again when it is asked for; answers stay the same.");
   m.def("map_content_from_array", &content_from_array, py::arg("states"), py::arg("origin"), py::arg("resolution_m"),
         py::arg("points") = py::none(), py::arg("hits") = 10,
         "MapContent from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"

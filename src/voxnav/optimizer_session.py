@@ -77,6 +77,7 @@ class OptimizerSession:
 
     def __init__(self, graph_config=None, config=None):
         self.config = config or voxnav.OptimizerConfig()
+        voxnav.set_distance_cache_mb(self.config.distance_cache_mb)
         self._graph = voxnav.SubmapGraph(graph_config or voxnav.SubmapGraphConfig())
         self._records = collections.OrderedDict()
         self._loops = collections.deque()

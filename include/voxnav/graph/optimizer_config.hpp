@@ -28,6 +28,7 @@ struct OptimizerConfig {
   int heights_per_submap = 2;
   int max_pending = 2000;
   int max_queue = 64;
+  int distance_cache_mb = 256;
   double tf_rate_hz = 10.0;
   int max_trajectory_poses = 2000;
   int max_marker_lines = 2000;
@@ -54,6 +55,9 @@ struct OptimizerConfig {
     v("heights_per_submap", &C::heights_per_submap, in(0, 100), "", "heights used per submap");
     v("max_pending", &C::max_pending, in(1, 100000), "", "fixes, heights and loops that wait for their submaps");
     v("max_queue", &C::max_queue, in(1, 10000), "", "inputs waiting for the worker; newer ones are refused beyond");
+    v("distance_cache_mb", &C::distance_cache_mb, in(1, 100000), "MB",
+      "distances around surfaces that are kept at hand; what does not fit is derived again and again (many times "
+      "slower)");
     v("tf_rate_hz", &C::tf_rate_hz, in(0.1, 200), "Hz", "rate of the map correction on tf");
     v("max_trajectory_poses", &C::max_trajectory_poses, in(10, 1000000), "",
       "poses of ~trajectory_out; thinned beyond");

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "voxnav/geometry/pose.hpp"
+#include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 
@@ -22,11 +24,19 @@ class BeamImage {
   void build(const float* points, std::size_t n, std::size_t stride, float nearest_m, float farthest_m,
              bool use_farther);
 
-  /// Calls visit(end of the beam, its squared distance [m^2]) for beams of at least `shortest` metres in pixels that a
-  /// ball touches, until it returns true. Beams are no longer than longest_m().
+  static constexpr int kTogether = 4;
+  /// Some beams that lie in a row of pixels.
+  struct Row {
+    std::array<std::uint32_t, kTogether> points;  ///< their numbers
+    unsigned reaching;                            ///< bit i: beam i is as long as was asked for
+  };
+  /// Calls visit(row) for all pixels that a ball touches until it returns true; beams count as reaching when they are
+  /// at least `shortest` metres long. They are believed up to longest_m() only.
   template <class Visit>
   void for_beams_near(const geometry::Vec3f& center, float radius, float shortest, Visit visit) const;
 
+  /// Its end, frame L: x y z [m].
+  const float* end_of(std::uint32_t point) const { return points_ + point * stride_; }
   float longest_m() const { return farthest_m_; }
   std::size_t memory_bytes() const { return (fine_.capacity() + coarse_.capacity()) * sizeof(Pixel); }
 
@@ -37,8 +47,22 @@ class BeamImage {
 
   struct Pixel {
     std::uint32_t point;
-    float range_sq;  ///< 0 = no beam
+    float range_sq;  ///< of ordinary size or larger; 0 = no beam
   };
+  static_assert(sizeof(Pixel) == sizeof(std::uint64_t), "read and written as one word");
+  void keep(const Pixel& beam, std::int32_t fine, std::int32_t coarse);
+  /// Bit i: the beam of pixel i, of kTogether in a row, is at least so long.
+  static unsigned reaching(const Pixel* pixels, float least_sq) {
+#if defined(__SSE2__)
+    const auto* in = reinterpret_cast<const float*>(pixels);
+    const __m128 ranges = _mm_shuffle_ps(_mm_loadu_ps(in), _mm_loadu_ps(in + 4), _MM_SHUFFLE(3, 1, 3, 1));
+    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpge_ps(ranges, _mm_set1_ps(least_sq))));
+#else
+    unsigned bits = 0;
+    for (int i = 0; i < kTogether; ++i) bits |= (pixels[i].range_sq >= least_sq ? 1u : 0u) << i;
+    return bits;
+#endif
+  }
   struct Projection {
     int face;
     float u, v;  ///< fine pixels
@@ -73,11 +97,13 @@ void BeamImage::for_beams_near(const geometry::Vec3f& center, float radius, floa
   const Pixel* face = (is_fine ? fine_ : coarse_).data() + at.face * side * side;
   const float least_sq = std::max(shortest * shortest, std::numeric_limits<float>::min());
   for (int v = v_low; v <= v_high; ++v) {
-    for (int u = u_low; u <= u_high; ++u) {
-      const Pixel& beam = face[v * side + u];
-      if (beam.range_sq < least_sq) continue;
-      const float* p = points_ + beam.point * stride_;
-      if (visit(geometry::Vec3f(p[0], p[1], p[2]), beam.range_sq)) return;
+    for (int u = u_low; u <= u_high; u += kTogether) {
+      const Pixel* pixels = face + v * side + u;
+      const unsigned inside = (2u << std::min(u_high - u, kTogether - 1)) - 1u;
+      if (visit(Row{{pixels[0].point, pixels[1].point, pixels[2].point, pixels[3].point},
+                    reaching(pixels, least_sq) & inside})) {
+        return;
+      }
     }
   }
 }

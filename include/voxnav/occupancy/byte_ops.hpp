@@ -3,16 +3,19 @@
 
 #include <cstdint>
 
+#include "voxnav/base/processor.hpp"
+
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 /// The inner loop of the map update: 64 voxels of one byte under a mask of 64 bits. SSE2 is part of every
-/// x86-64 processor; other machines take the plain loop, with the same result.
+/// x86-64 processor, AVX2 of most (see processor.hpp); other machines take the plain loop, with the same result.
 namespace voxnav::occupancy {
 
-/// Number of set bits. The compiler's own builtin is a call where the popcnt instruction may not be used.
-inline unsigned count_bits(std::uint64_t word) {
+/// Number of set bits. The compiler's own builtin is a call where the popcnt instruction may not be used; where it may,
+/// the compiler knows this for what it is.
+VOXNAV_INLINE unsigned count_bits(std::uint64_t word) {
   word -= (word >> 1) & 0x5555555555555555u;
   word = (word & 0x3333333333333333u) + ((word >> 2) & 0x3333333333333333u);
   word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
@@ -49,12 +52,12 @@ inline Subtracted subtract_where_plain(std::uint8_t* cells, std::uint64_t mask, 
 
 #if defined(__SSE2__)
 /// Bit i: byte i of a is at least b.
-inline unsigned at_least(__m128i a, __m128i b) {
+VOXNAV_INLINE unsigned at_least(__m128i a, __m128i b) {
   return static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(a, b), a)));
 }
 
 /// 0xFF in byte i where bit i is set.
-inline __m128i bytes_of_bits(unsigned bits) {
+VOXNAV_INLINE __m128i bytes_of_bits(unsigned bits) {
   const __m128i bit_of_byte = _mm_set1_epi64x(static_cast<long long>(0x8040201008040201ull));
   const __m128i spread =
       _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(bits & 0xFFu)), _mm_set1_epi8(static_cast<char>(bits >> 8)));
@@ -62,7 +65,7 @@ inline __m128i bytes_of_bits(unsigned bits) {
 }
 #endif
 
-inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+VOXNAV_INLINE Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
 #if defined(__SSE2__)
   const __m128i step = _mm_set1_epi8(static_cast<char>(by.amount));
   const __m128i free_limit = _mm_set1_epi8(static_cast<char>(by.free_end));
@@ -87,16 +90,47 @@ inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const 
 #endif
 }
 
-/// Turns 16 rows of 16 bits into columns: bit i of out[k] is bit k of in[i * stride]. False when nothing is set; `out`
-/// is then left as it was.
-inline bool transpose_16(const std::uint16_t* in, int stride, std::uint16_t* out) {
-  alignas(16) std::uint16_t rows[16];
-  unsigned any = 0;
-  for (int i = 0; i < 16; ++i) any |= rows[i] = in[i * stride];
-  if (any == 0) return false;
+/// For callers that are marked VOXNAV_WIDE themselves.
 #if defined(__SSE2__)
-  const __m128i first = _mm_load_si128(reinterpret_cast<const __m128i*>(rows));
-  const __m128i second = _mm_load_si128(reinterpret_cast<const __m128i*>(rows + 8));
+/// Bit i: byte i of a is less than b.
+VOXNAV_WIDE VOXNAV_INLINE unsigned below(__m256i a, __m256i b) {
+  return ~static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a)));
+}
+
+VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+  const __m256i step = _mm256_set1_epi8(static_cast<char>(by.amount));
+  const __m256i free_limit = _mm256_set1_epi8(static_cast<char>(by.free_end));
+  const __m256i occupied_limit = _mm256_set1_epi8(static_cast<char>(by.occupied_min));
+  const __m256i byte_of_mask = _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303);
+  const __m256i bit_of_byte = _mm256_set1_epi64x(static_cast<long long>(0x8040201008040201ull));
+  Subtracted out;
+  for (int i = 0; i < 64; i += 32) {
+    const auto part = static_cast<int>(mask >> i);
+    if (part == 0) continue;
+    const __m256i spread = _mm256_shuffle_epi8(_mm256_set1_epi32(part), byte_of_mask);
+    const __m256i selected = _mm256_cmpeq_epi8(_mm256_and_si256(spread, bit_of_byte), bit_of_byte);
+    auto* at = reinterpret_cast<__m256i*>(cells + i);
+    const __m256i before = _mm256_loadu_si256(at);
+    const __m256i after = _mm256_subs_epu8(before, _mm256_and_si256(selected, step));
+    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(before, after)) == -1) continue;  // all clamped: nothing to do
+    _mm256_storeu_si256(at, after);
+    out.any_changed = true;
+    out.crossed_free += count_bits(below(after, free_limit) & ~below(before, free_limit));
+    out.crossed_occupied += count_bits(below(after, occupied_limit) & ~below(before, occupied_limit));
+  }
+  return out;
+}
+#else
+inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+  return subtract_where_plain(cells, mask, by);
+}
+#endif
+
+/// Turns 16 rows of 16 bits into columns: bit i of out[k] is bit k of rows[i].
+VOXNAV_INLINE void transpose_16(const std::uint16_t* rows, std::uint16_t* out) {
+#if defined(__SSE2__)
+  const __m128i first = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows));
+  const __m128i second = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows + 8));
   const __m128i low_byte = _mm_set1_epi16(0xFF);
   __m128i low = _mm_packus_epi16(_mm_and_si128(first, low_byte), _mm_and_si128(second, low_byte));
   __m128i high = _mm_packus_epi16(_mm_srli_epi16(first, 8), _mm_srli_epi16(second, 8));
@@ -113,12 +147,11 @@ inline bool transpose_16(const std::uint16_t* in, int stride, std::uint16_t* out
     out[k] = static_cast<std::uint16_t>(column);
   }
 #endif
-  return true;
 }
 
 /// Calls f(index) for every set bit, lowest first.
 template <class F>
-inline void for_each_bit(std::uint64_t word, F&& f) {
+VOXNAV_INLINE void for_each_bit(std::uint64_t word, F&& f) {
   while (word != 0) {
     f(__builtin_ctzll(word));
     word &= word - 1;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "voxnav/occupancy/ray_marks.hpp"
 #include "voxnav/occupancy/scan_part.hpp"
 #include "voxnav/occupancy/surface_leaves.hpp"
 
@@ -30,7 +31,10 @@ class EndVoxels {
   void finish();
 
   const std::vector<HitVoxel>& hits() const { return hits_; }
-  const std::vector<geometry::Vec3f>& clearing_ends() const { return clearing_ends_; }
+  /// Where rays end: at the mean of each hit voxel's points, in the order of hits(), and where beams went on.
+  const RayEnds& rays() const { return rays_; }
+  /// One more ray that hits nothing.
+  void add_ray(const geometry::Vec3f& end) { rays_.push_back(end); }
   /// Null when nothing ended in the block.
   const VoxelBits* hit_bits(std::uint32_t slot) const {
     return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits;
@@ -41,7 +45,6 @@ class EndVoxels {
   };
   /// Where the hits of a block lie in hits(); may be empty.
   Range range(std::uint32_t slot) const;
-  geometry::Vec3f center_of(const HitVoxel& hit) const;
   /// Widens a box of blocks (from the window's corner) to hold all ends.
   void widen(geometry::Index3* low, geometry::Index3* high) const;
   std::size_t memory_bytes() const;
@@ -62,6 +65,7 @@ class EndVoxels {
   Address address_of(const geometry::Index3& voxel);
   void add_clearing(const geometry::Vec3f& end);
   std::size_t count_hits();
+  void finish_block(const Block& block);
   geometry::Index3 block_of_slot(std::uint32_t slot) const;
 
   std::array<int, 3> num_blocks_;
@@ -72,6 +76,7 @@ class EndVoxels {
   std::vector<PointSum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;
+  RayEnds rays_;
 };
 
 }  // namespace voxnav::occupancy

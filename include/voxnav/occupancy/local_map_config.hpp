@@ -27,7 +27,7 @@ struct LocalMapConfig {
   double guard_sigmas = 2.0;
   double guard_spread_voxels = 0.05;
   double guard_end_voxels = 1.5;
-  int guard_octants = 7;
+  int guard_octants = 8;
   int guard_patience = 8;
   int num_threads = 1;
   double max_memory_mb = 4096.0;
@@ -69,7 +69,7 @@ struct LocalMapConfig {
 
   /// Blocks along each axis of the window, always odd: the sensor stays in or next to the middle one.
   std::array<int, 3> window_blocks() const;
-  /// Upper bound of what a map of this configuration can ever allocate.
+  /// Upper bound of what a map of this configuration can ever allocate, beside some bytes per point of a scan.
   double worst_case_bytes() const;
 };
 

@@ -10,50 +10,59 @@
 
 namespace voxnav::occupancy {
 
-/// Marks the voxels that the rays of one scan cross. There are three images of the box, one for rays along each axis,
-/// whose words hold 16 voxels in a row along that axis: a ray stays in such a row for several voxels, which are
-/// marked at once, and a box of 10^8 voxels fits the cache. One per thread.
+/// Ends of rays, coordinate by coordinate, so that several rays are walked at once. Window coordinates.
+struct RayEnds {
+  std::array<std::vector<float>, 3> along;
+
+  std::size_t size() const { return along[0].size(); }
+  void clear() {
+    for (auto& axis : along) axis.clear();
+  }
+  void push_back(const geometry::Vec3f& end) {
+    for (int axis = 0; axis < 3; ++axis) along[static_cast<std::size_t>(axis)].push_back(end[axis]);
+  }
+  std::size_t memory_bytes() const { return 3 * along[0].capacity() * sizeof(float); }
+};
+
+/// Marks the voxels that the rays of one scan cross. There are three bit images of the box, one for rays along each
+/// axis, made of lines of voxels along that axis: a ray stays in a line for several voxels, which are marked with one
+/// word, and a box of 10^8 voxels fits the cache. One per thread.
 class RayMarks {
  public:
-  /// All marks must have been cleared; `box` must outlive the casts.
+  /// Nothing is marked afterwards. `box` must outlive the casts. O(voxels of the box / 32).
   void begin(const ScanBox& box);
-  /// Marks every voxel on the line between two points in the box, both included; voxel edges from the window's corner.
+  /// Marks every voxel on the lines from rays `first` to `last` (not included) of `ends` to the origin, both ends
+  /// included, all in the box and in voxel edges from the window's corner. Off by less than n^2 2^-30 voxels in a box
+  /// of n voxels a side.
   /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987; here over the
   /// two shorter axes only, as runs of voxels along the longest.
-  void cast(const geometry::Vec3f& end, const geometry::Vec3& origin);
+  void cast(const RayEnds& ends, std::size_t first, std::size_t last, const geometry::Vec3& origin);
 
-  bool is_crossed(std::uint32_t block) const {
-    return (images_[0].crossed[block] | images_[1].crossed[block] | images_[2].crossed[block]) != 0;
-  }
+  /// Call after the last cast: finds the blocks that were crossed. O(voxels of the box / 256).
+  void finish();
+
+  bool is_crossed(std::uint32_t block) const { return crossed_[block] != 0; }
   /// Sets the bits of the crossed voxels of a block.
   void add_to(std::uint32_t block, VoxelBits* bits) const;
-  void clear(std::uint32_t block);
-  std::size_t memory_bytes() const;
+  std::size_t memory_bytes() const { return words_.capacity() * sizeof(words_[0]) + crossed_.capacity(); }
+
+  /// Line b + c * lines_b of an image holds the voxels along its axis a, where b and c are the other two axes, in the
+  /// order of x, y, z: what a block needs then lies together. There is one line to spare on each side, since rounding
+  /// may lead a ray there. All in words of 32 voxels.
+  struct Image {
+    std::int32_t step_b = 0;
+    std::int32_t step_c = 0;
+    std::int32_t zero = 0;  ///< first word of line (0, 0)
+  };
 
  private:
-  static constexpr std::size_t kRows = geometry::kBlockSide * geometry::kBlockSide;
-  struct Image {
-    std::vector<std::uint16_t> rows;  ///< kRows per block, number b + 16 c where b and c follow the image's axis
-    std::vector<std::uint8_t> crossed;
-  };
-  /// Where in an image the rows of a coordinate lie, for each role that its axis can have. Coordinates from -1 to one
-  /// beyond the box: rounding may lead a ray there.
-  class RowTable {
-   public:
-    void build(int num_blocks, std::uint32_t block_stride, std::uint32_t inside);
-    std::uint32_t operator[](int cell) const { return rows_[static_cast<std::size_t>(cell + 1)]; }
-
-   private:
-    std::vector<std::uint32_t> rows_;
-  };
-  struct ShortAxis;
-  ShortAxis short_axis(int axis, const RowTable& rows, int a, const geometry::Vec3& from,
-                       const geometry::Vec3& to) const;
-  static void mark_run(Image* image, std::uint32_t block_stride, std::uint32_t row, int first, int last);
+  const std::uint8_t* line_of(int axis, int a, int b, int c) const;
 
   const ScanBox* box_ = nullptr;
   std::array<Image, 3> images_;
-  std::array<RowTable, 3> second_, third_;  ///< per axis, when it follows the image's axis or the one after it
+  int fraction_bits_ = 0;
+  std::vector<std::uint32_t> words_;
+  std::vector<std::uint8_t> crossed_;  ///< per block of the box, a bit per image
 };
 
 }  // namespace voxnav::occupancy

@@ -37,6 +37,11 @@ class ScanBox {
     const geometry::Index3 at = block_at(block);
     return static_cast<std::uint32_t>(at.x + window_blocks_[0] * (at.y + window_blocks_[1] * at.z));
   }
+  /// Lowest voxel of a block, from the corner of the box.
+  geometry::Index3 first_in_box(std::uint32_t block) const {
+    const geometry::Index3 at = block_at(block) - low_;
+    return {at.x * geometry::kBlockSide, at.y * geometry::kBlockSide, at.z * geometry::kBlockSide};
+  }
   /// Lowest voxel of a block, from the window's corner.
   geometry::Index3 first_voxel(std::uint32_t block) const {
     const geometry::Index3 at = block_at(block);

@@ -24,17 +24,19 @@ struct ScanFrame {
 
 /// Sums of points and their products, from the centre of their voxel.
 struct PointSum {
-  Eigen::Array4f first = Eigen::Array4f::Zero();   ///< x y z 1
-  Eigen::Array4f second = Eigen::Array4f::Zero();  ///< xx xy xz x
-  Eigen::Array4f third = Eigen::Array4f::Zero();   ///< xy yy yz y
+  /// The compiler's vector type: a row is then put together in a register, where others are written to memory first.
+  using Row = float __attribute__((vector_size(16)));
+  Row first{};   ///< x y z 1
+  Row second{};  ///< xx xy xz x
+  Row third{};   ///< xy yy yz y
   float zz = 0.0f;
 
-  void add(const geometry::Vec3f& p) {
-    const Eigen::Array4f row(p.x(), p.y(), p.z(), 1.0f);
+  void add(float x, float y, float z) {
+    const Row row{x, y, z, 1.0f};
     first += row;
-    second += p.x() * row;
-    third += p.y() * row;
-    zz += p.z() * p.z();
+    second += x * row;
+    third += y * row;
+    zz += z * z;
   }
   void add(const PointSum& other) {
     first += other.first;

@@ -17,14 +17,20 @@ struct PointSpread {
   std::array<float, 6> covariance{};               ///< xx xy xz yy yz zz
 };
 
+/// A spread of hits, ready to tell how many deviations away something is.
+struct HitSpread {
+  std::array<float, 6> adjugate;  ///< of the covariance: its inverse times the determinant; xx xy xz yy yz zz
+  float determinant;
+};
+
 /// What the hits inside one voxel say about the surface.
 struct SurfaceLeaf {
-  std::array<std::int16_t, 3> mean{};        ///< from the voxel centre; half a voxel edge = kMeanUnits
   std::array<std::int16_t, 6> covariance{};  ///< xx xy xz yy yz zz; a squared voxel edge = kCovarianceUnits
   std::uint8_t scans = 0;                    ///< scans that hit the voxel, saturates at 255
   std::uint8_t octants = 0;                  ///< octants seen through since the last hit
   std::uint8_t seen_through = 0;             ///< scans that saw through the surface since the last hit
   std::uint8_t patience = 0;                 ///< most of these that a later hit ever refuted: leaves let beams through
+  std::array<std::int16_t, 3> mean{};        ///< from the voxel centre; half a voxel edge = kMeanUnits
   // Beside the rest, which decides what is believed and is never reset: hits since the last handover alone. Submaps are
   // registered by these, because what two of them share by copy says nothing about where they lie.
   std::array<std::int16_t, 3> recent_mean{};  ///< as `mean`
@@ -41,15 +47,21 @@ struct SurfaceLeaf {
   void add_scan(const PointSpread& hits, int number);
   /// A scan saw through the surface. False while hits have refuted as many such scans in a row before.
   bool is_refuted_by_seeing_through(int max_patience);
-  /// Squared Mahalanobis distance at which a line passes the hits. `to_mean` leads from the line to the mean, in voxel
-  /// edges; `least_spread` (voxel edges) is added to the spread of the hits.
-  float squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction, float least_spread) const;
+  /// `least_spread` (voxel edges) is added to the deviation of the hits.
+  HitSpread spread(float least_spread) const;
   static constexpr int kMemory = 50;
   static constexpr int kTimeUnits = 16;  ///< of recent_time, which then holds 4095 scans
   static constexpr int kMaxNumber = 65535 / kTimeUnits;
   /// @param num_scans  since the last handover
   OccupiedLeaf quantised(int offset_in_block, int num_scans) const;
+
+ private:
+  void add(const PointSpread& hits, int number);
+  void add_plain(const PointSpread& hits, int number);
+  void add_wide(const PointSpread& hits, int number);
 };
+
+static_assert(sizeof(SurfaceLeaf) == 32, "two registers");
 
 /// The voxels of one block that hold hits, packed in voxel order; found by counting bits.
 class SurfaceLeaves {

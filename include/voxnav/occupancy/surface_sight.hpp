@@ -12,7 +12,7 @@ struct MissGuard {
   float sigmas = 2.0f;
   float spread_voxels = 0.05f;
   float end_voxels = 1.5f;
-  int octants = 7;
+  int octants = 8;
   int patience = 8;
 };
 
@@ -25,14 +25,18 @@ class SurfaceSight {
   bool refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) const;
 
  private:
-  /// Octants of the voxel that a beam went through behind nothing; all of them when it met where the hits were.
-  std::uint8_t octants_seen(const geometry::Vec3f& to_center, const SurfaceLeaf& leaf, const geometry::Vec3f& direction,
-                            float length) const;
+  struct Beams;
+  struct Target;
+  std::uint8_t look(const Target& target, const Beams& beams) const;
+  std::uint8_t look_plain(const Target& target, const Beams& beams) const;
+  std::uint8_t look_wide(const Target& target, const Beams& beams) const;
+  std::uint8_t octants_seen(const Target& target, Beams* beams) const;
 
   const BeamImage& beams_;
   geometry::Vec3f origin_;
-  Eigen::Matrix3f rotation_;  ///< frame L to the window's axes, no scale
+  Eigen::Matrix3f rotation_;  ///< metres of frame L to voxel edges along the window's axes
   float resolution_m_;
+  float longest_;  ///< beam, voxel edges
   MissGuard guard_;
 };
 

@@ -30,6 +30,36 @@ VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const 
   return out;
 }
 
+struct Misses {
+  Subtracted changes;
+  unsigned count = 0;
+
+  VOXNAV_INLINE void add(const Subtracted& done, std::uint64_t misses) {
+    changes.any_changed = changes.any_changed || done.any_changed;
+    changes.crossed_free += done.crossed_free;
+    changes.crossed_occupied += done.crossed_occupied;
+    count += count_bits(misses);
+  }
+};
+
+Misses subtract_plain(OctreeBlock* block, const VoxelBits& misses, const Subtraction& by) {
+  Misses out;
+  for (std::size_t word = 0; word < misses.size(); ++word) {
+    if (misses[word] == 0) continue;
+    out.add(subtract_where(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
+  }
+  return out;
+}
+
+VOXNAV_WIDE Misses subtract_wide(OctreeBlock* block, const VoxelBits& misses, const Subtraction& by) {
+  Misses out;
+  for (std::size_t word = 0; word < misses.size(); ++word) {
+    if (misses[word] == 0) continue;
+    out.add(subtract_where_wide(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
+  }
+  return out;
+}
+
 struct Applied {
   BlockUpdate update;
   bool any_level_changed = false;
@@ -38,17 +68,18 @@ struct Applied {
 /// Voxels without hits of their own are missed by any ray that crosses them, the others only when they are refuted.
 void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
                   const LogOddsScale& scale, const StateLevels& levels, Applied* out) {
-  for (int word = 0; word < 64; ++word) {
+  VoxelBits misses;
+  for (std::size_t word = 0; word < misses.size(); ++word) {
     const std::uint64_t spared = hits[word] | (block->leaves.bits()[word] & ~refuted[word]);
-    const std::uint64_t misses = evidence.passed[word] & ~spared;
-    if (misses == 0) continue;
-    const Subtracted done = subtract_where(block->log_odds.data() + 64 * word, misses,
-                                           {scale.miss, levels.free_end(), levels.occupied_begin()});
-    out->update.missed += count_bits(misses);
-    out->update.became_free += done.crossed_free;
-    out->any_level_changed = out->any_level_changed || done.any_changed;
-    out->update.any_state_changed = out->update.any_state_changed || done.crossed_free + done.crossed_occupied != 0;
+    misses[word] = evidence.passed[word] & ~spared;
   }
+  const Subtraction by{scale.miss, levels.free_end(), levels.occupied_begin()};
+  const Misses done = (base::is_wide() ? subtract_wide : subtract_plain)(block, misses, by);
+  out->update.missed += done.count;
+  out->update.became_free += done.changes.crossed_free;
+  out->any_level_changed = out->any_level_changed || done.changes.any_changed;
+  out->update.any_state_changed =
+      out->update.any_state_changed || done.changes.crossed_free + done.changes.crossed_occupied != 0;
 }
 
 void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale, const StateLevels& levels,

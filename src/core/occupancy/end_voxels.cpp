@@ -16,6 +16,7 @@ void EndVoxels::clear() {
   addresses_.clear();
   hits_.clear();
   clearing_ends_.clear();
+  rays_.clear();
 }
 
 EndVoxels::Address EndVoxels::address_of(const geometry::Index3& v) {
@@ -65,7 +66,7 @@ std::size_t EndVoxels::count_hits() {
 PointSpread EndVoxels::spread_of(const PointSum& sum) {
   PointSpread out;
   const float share = 1.0f / sum.first[3];
-  out.mean = sum.first.head<3>().matrix() * share;
+  out.mean = geometry::Vec3f(sum.first[0], sum.first[1], sum.first[2]) * share;
   const geometry::Vec3f& m = out.mean;
   out.covariance = {sum.second[0] * share - m[0] * m[0], sum.second[1] * share - m[0] * m[1],
                     sum.second[2] * share - m[0] * m[2], sum.third[1] * share - m[1] * m[1],
@@ -86,12 +87,21 @@ void EndVoxels::finish() {
     }
   }
   hits_.reserve(sums_.size());
-  for (const Block& block : blocks_) {
-    for (int word = 0; word < 64; ++word) {
-      for_each_bit(block.hits[word], [&](int bit) {
-        hits_.push_back({block.slot, static_cast<std::uint16_t>(word * 64 + bit), spread_of(sums_[hits_.size()])});
-      });
-    }
+  for (const Block& block : blocks_) finish_block(block);
+  for (const geometry::Vec3f& end : clearing_ends_) rays_.push_back(end);
+}
+
+void EndVoxels::finish_block(const Block& block) {
+  const geometry::Index3 at = block_of_slot(block.slot);
+  for (int word = 0; word < 64; ++word) {
+    for_each_bit(block.hits[word], [&](int bit) {
+      const int offset = word * 64 + bit;
+      hits_.push_back({block.slot, static_cast<std::uint16_t>(offset), spread_of(sums_[hits_.size()])});
+      const geometry::Index3 voxel = geometry::voxel_at(at, offset);
+      const geometry::Vec3f corner(static_cast<float>(voxel.x), static_cast<float>(voxel.y),
+                                   static_cast<float>(voxel.z));
+      rays_.push_back(corner + geometry::Vec3f::Constant(0.5f) + hits_.back().points.mean);
+    });
   }
 }
 
@@ -108,12 +118,6 @@ geometry::Index3 EndVoxels::block_of_slot(std::uint32_t slot) const {
   return {x, yz % num_blocks_[1], yz / num_blocks_[1]};
 }
 
-geometry::Vec3f EndVoxels::center_of(const HitVoxel& hit) const {
-  const geometry::Index3 voxel = geometry::voxel_at(block_of_slot(hit.slot), hit.offset);
-  return geometry::Vec3f(static_cast<float>(voxel.x) + 0.5f, static_cast<float>(voxel.y) + 0.5f,
-                         static_cast<float>(voxel.z) + 0.5f);
-}
-
 void EndVoxels::widen(geometry::Index3* low, geometry::Index3* high) const {
   for (const Block& block : blocks_) {
     const geometry::Index3 at = block_of_slot(block.slot);
@@ -125,7 +129,8 @@ void EndVoxels::widen(geometry::Index3* low, geometry::Index3* high) const {
 std::size_t EndVoxels::memory_bytes() const {
   return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
          addresses_.capacity() * sizeof(Address) + sums_.capacity() * sizeof(PointSum) +
-         hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f);
+         hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f) +
+         rays_.memory_bytes();
 }
 
 }  // namespace voxnav::occupancy

@@ -158,39 +158,32 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
   geometry::Index3 high = low;
   ends_.widen(&low, &high);
   for (const geometry::Vec3f& end : no_return_ends_) {
+    ends_.add_ray(end);
     const geometry::Index3 at = geometry::index_of(end.cast<double>(), geometry::kBlockSide);
     low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
     high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
   }
   box_ = ScanBox(window_.num_blocks(), low, high);
-  const std::size_t hits = ends_.hits().size();
-  const std::size_t clearing = ends_.clearing_ends().size();
-  const auto end_of = [&](std::size_t i) -> geometry::Vec3f {
-    if (i < hits) return ends_.center_of(ends_.hits()[i]) + ends_.hits()[i].points.mean;
-    return i < hits + clearing ? ends_.clearing_ends()[i - hits] : no_return_ends_[i - hits - clearing];
-  };
-  base::SharedItems rays(hits + clearing + no_return_ends_.size(), kRaysAtOnce);
+  base::SharedItems rays(ends_.rays().size(), kRaysAtOnce);
   workers_->run([&](int worker) {
     RayMarks& marks = marks_[static_cast<std::size_t>(worker)];
     marks.begin(box_);
-    for (base::Share share; rays.next(&share);) {
-      for (std::size_t i = share.begin; i < share.end; ++i) marks.cast(end_of(i), origin);
-    }
+    for (base::Share share; rays.next(&share);) marks.cast(ends_.rays(), share.begin, share.end, origin);
+    marks.finish();
   });
 }
 
-bool LocalMap::is_crossed(std::uint32_t block) const {
-  return std::any_of(marks_.begin(), marks_.end(), [=](const RayMarks& marks) { return marks.is_crossed(block); });
-}
-
 BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight) {
+  BlockEvidence evidence;
+  bool is_crossed = false;
+  for (const RayMarks& marks : marks_) {
+    if (!marks.is_crossed(block)) continue;
+    marks.add_to(block, &evidence.passed);
+    is_crossed = true;
+  }
+  if (!is_crossed) return {};
   const std::uint32_t slot = box_.slot_of(block);
   const EndVoxels::Range hits = ends_.range(slot);
-  BlockEvidence evidence;
-  for (RayMarks& marks : marks_) {
-    marks.add_to(block, &evidence.passed);
-    marks.clear(block);
-  }
   evidence.first_voxel = box_.first_voxel(block);
   evidence.hit_bits = ends_.hit_bits(slot);
   evidence.hits_begin = ends_.hits().data() + hits.begin;
@@ -212,10 +205,7 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
   workers_->run([&](int worker) {
     BlockUpdate sum;
     for (base::Share share; blocks.next(&share);) {
-      for (std::size_t i = share.begin; i < share.end; ++i) {
-        const auto block = static_cast<std::uint32_t>(i);
-        if (is_crossed(block)) sum += update_slot(block, sight);
-      }
+      for (std::size_t i = share.begin; i < share.end; ++i) sum += update_slot(static_cast<std::uint32_t>(i), sight);
     }
     updates[static_cast<std::size_t>(worker)] = sum;
   });

@@ -13,6 +13,9 @@ namespace {
 constexpr double kBytesPerBlock =
     sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
 
+/// Three bits per voxel for each thread's marks (ray_marks.hpp); a quarter more for the lines to spare.
+constexpr double kMarkBytesPerBlock = 1.25 * 3.0 * geometry::kBlockVolume / 8;
+
 /// Blocks on one side of the middle one, so that the window covers its size wherever the sensor is in the middle.
 double half_blocks(double size_m, double block_m) { return std::ceil(0.5 * size_m / block_m + 0.25); }
 
@@ -27,7 +30,7 @@ std::array<int, 3> LocalMapConfig::window_blocks() const {
 }
 
 double LocalMapConfig::worst_case_bytes() const {
-  double bytes = kBytesPerBlock;
+  double bytes = kBytesPerBlock + num_threads * kMarkBytesPerBlock;
   for (const double size_m : window_size_m)
     bytes *= 2.0 * half_blocks(size_m, resolution_m * geometry::kBlockSide) + 1.0;
   return bytes;

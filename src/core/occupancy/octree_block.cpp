@@ -11,16 +11,18 @@ namespace {
 using containers::State;
 
 struct Max {
-  std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return std::max(a, b); }
+  VOXNAV_INLINE std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return a > b ? a : b; }
 };
 struct Or {
-  std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return static_cast<std::uint8_t>(a | b); }
+  VOXNAV_INLINE std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const {
+    return static_cast<std::uint8_t>(a | b);
+  }
 };
 
 /// Eight children to one parent over a whole level of Side^3 nodes. Rows are combined first, so that the
 /// compiler turns the inner loop into vector instructions.
 template <int Side, class Combine>
-void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
+VOXNAV_INLINE void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
   constexpr int kHalf = Side / 2;
   for (int z = 0; z < kHalf; ++z) {
     for (int y = 0; y < kHalf; ++y) {
@@ -35,7 +37,7 @@ void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
 }
 
 template <class Combine>
-void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine) {
+VOXNAV_INLINE void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine) {
   reduce<16>(voxels, nodes, combine);
   reduce<8>(nodes, nodes + 512, combine);
   reduce<4>(nodes + 512, nodes + 576, combine);
@@ -46,19 +48,40 @@ void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine
 
 constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
 
-void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
+namespace {
+
+VOXNAV_INLINE void find_flags(const OctreeBlock& block, const StateLevels& levels, OctreeBlock::Flags* flags) {
   const std::uint8_t free_end = levels.free_end();
   const std::uint8_t occupied_min = levels.occupied_begin();
   for (int i = 0; i < geometry::kBlockVolume; ++i) {
-    const std::uint8_t level = log_odds[i];
+    const std::uint8_t level = block.log_odds[i];
     const std::uint8_t not_free = level >= occupied_min ? kContainsOccupied : kContainsUnknown;
     (*flags)[i] = level < free_end ? static_cast<std::uint8_t>(kContainsFree) : not_free;
   }
 }
+VOXNAV_WIDE void find_flags_wide(const OctreeBlock& block, const StateLevels& levels, OctreeBlock::Flags* flags) {
+  find_flags(block, levels, flags);
+}
+
+/// All inner nodes.
+VOXNAV_INLINE void summarise(const std::uint8_t* log_odds, const std::uint8_t* flags, std::uint8_t* max,
+                             std::uint8_t* inner_flags) {
+  reduce_all(log_odds, max, Max{});
+  reduce_all(flags, inner_flags, Or{});
+}
+VOXNAV_WIDE void summarise_wide(const std::uint8_t* log_odds, const std::uint8_t* flags, std::uint8_t* max,
+                                std::uint8_t* inner_flags) {
+  summarise(log_odds, flags, max, inner_flags);
+}
+
+}  // namespace
+
+void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
+  (base::is_wide() ? find_flags_wide : find_flags)(*this, levels, flags);
+}
 
 void OctreeBlock::refresh(const Flags& flags) {
-  reduce_all(log_odds.data(), max_.data(), Max{});
-  reduce_all(flags.data(), flags_.data(), Or{});
+  (base::is_wide() ? summarise_wide : summarise)(log_odds.data(), flags.data(), max_.data(), flags_.data());
 }
 
 containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {

@@ -2,158 +2,229 @@
 #include "voxnav/occupancy/ray_marks.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <limits>
+#include <cstring>
 
+#include "ray_walk.hpp"
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
+using namespace ray_walk;  // NOLINT: the vector types of this file
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "words of a line are read as rows of 16 voxels");
+
 constexpr int kSide = geometry::kBlockSide;
-constexpr int kShift = geometry::kBlockShift;
+constexpr int kWordShift = 5;
+constexpr std::int32_t kInWord = 31;
 
-/// Fixed point with 32 fractional bits: exact to 10^-7 of a voxel over the longest ray, and compared in one cycle.
-constexpr int kFraction = 32;
-constexpr double kOne = 4294967296.0;
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max() / 4;
-constexpr double kMostPerCell = 1 << 20;  ///< longer than any ray
+struct Canvas {
+  std::uint32_t* words;
+  std::array<RayMarks::Image, 3> images;
+  int fraction_bits;
+};
 
-std::int64_t fixed(double x) { return static_cast<std::int64_t>(x * kOne); }
+VOXNAV_INLINE void mark(std::uint32_t* words, Ints at, Words bits) {
+  // Through memory: taking lanes out of vectors one by one takes longer.
+  alignas(32) std::int32_t to[kLanes];
+  alignas(32) std::uint32_t what[kLanes];
+  store(at, to);
+  store(bits, what);
+  VOXNAV_IN_MEMORY(to);
+  VOXNAV_IN_MEMORY(what);
+  for (int i = 0; i < kLanes; ++i) words[to[i]] |= what[i];
+}
 
-}  // namespace
+VOXNAV_INLINE Ends ordered(const Choice& longest, Floats x, Floats y, Floats z, const geometry::Vec3f& origin) {
+  const Floats zero{};
+  const Floats a = longest.of(x, y, z), b = longest.of(y, x, x), c = longest.of(z, z, y);
+  const Floats ox = zero + origin.x(), oy = zero + origin.y(), oz = zero + origin.z();
+  const Floats oa = longest.of(ox, oy, oz), ob = longest.of(oy, ox, ox), oc = longest.of(oz, oz, oy);
+  const Ints is_back = a > oa;
+  return {is_back ? oa : a, is_back ? ob : b, is_back ? oc : c, is_back ? a : oa, is_back ? b : ob, is_back ? c : oc};
+}
 
-void RayMarks::RowTable::build(int num_blocks, std::uint32_t block_stride, std::uint32_t inside) {
-  const int cells = num_blocks * kSide;
-  rows_.resize(static_cast<std::size_t>(cells) + 2);
-  for (int cell = -1; cell <= cells; ++cell) {
-    const int at = std::clamp(cell, 0, cells - 1);
-    rows_[static_cast<std::size_t>(cell + 1)] =
-        static_cast<std::uint32_t>(at >> kShift) * block_stride + static_cast<std::uint32_t>(at & (kSide - 1)) * inside;
+/// How many words a ray marks.
+VOXNAV_INLINE Ints num_runs(const Ends& ray) {
+  const auto changes = [](Floats from, Floats to, int shift) {
+    const Ints n = (truncated(to) >> shift) - (truncated(from) >> shift);
+    return larger(n, -n);
+  };
+  return 1 + changes(ray.from_b, ray.to_b, 0) + changes(ray.from_c, ray.to_c, 0) +
+         changes(ray.from_a, ray.to_a, kWordShift);
+}
+
+VOXNAV_INLINE void walk(const Canvas& canvas, Floats x, Floats y, Floats z, const geometry::Vec3f& origin) {
+  const Floats wx = absolute(x - origin.x()), wy = absolute(y - origin.y()), wz = absolute(z - origin.z());
+  const Ints is_x = (wx >= wy) & (wx >= wz);
+  const Choice longest{is_x, ~is_x & (wy >= wz)};
+  const Ends ray = ordered(longest, x, y, z, origin);
+  const auto constant = [&](std::int32_t RayMarks::Image::*field) {
+    const Ints zero{};
+    return longest.of(zero + canvas.images[0].*field, zero + canvas.images[1].*field, zero + canvas.images[2].*field);
+  };
+  const Ints step_b = constant(&RayMarks::Image::step_b), step_c = constant(&RayMarks::Image::step_c);
+  const Ints zero_line = constant(&RayMarks::Image::zero);
+  const auto one = static_cast<float>(1 << canvas.fraction_bits);
+  const Floats length_a = ray.to_a - ray.from_a;
+  ShortAxis b = short_axis(ray.from_b, ray.to_b, ray.from_a, length_a, step_b, one);
+  ShortAxis c = short_axis(ray.from_c, ray.to_c, ray.from_a, length_a, step_c, one);
+  Ints line = zero_line + truncated(ray.from_b) * step_b + truncated(ray.from_c) * step_c;
+  Ints at = truncated(ray.from_a);
+  const Ints last = truncated(ray.to_a);
+  const Ints last_change = truncated(ray.to_a * one);
+  for (int left = highest(num_runs(ray)); left > 0; --left) {
+    const Ints is_b = b.next <= c.next;
+    const Ints next = is_b ? b.next : c.next;
+    const Ints changes = next < last_change;
+    const Ints target = larger(changes ? next >> canvas.fraction_bits : last, at);
+    // A run ends where its word ends; it goes on in the next one.
+    const Ints word_end = at | kInWord;
+    const Ints is_cut = target > word_end;
+    const Ints stop = is_cut ? word_end : target;
+    const Words low = (Words{} + 1u) << (Words)(at & kInWord), high = (Words{} + 2u) << (Words)(stop & kInWord);
+    mark(canvas.words, line + (at >> kWordShift), high - low);
+    const Ints takes = changes & ~is_cut;
+    b.next += b.per_cell & takes & is_b;
+    c.next += c.per_cell & takes & ~is_b;
+    line += (b.step & takes & is_b) + (c.step & takes & ~is_b);
+    at = is_cut ? word_end + 1 : target;
+  }
+  // Where rounding has put the last change behind the end.
+  line = zero_line + truncated(ray.to_b) * step_b + truncated(ray.to_c) * step_c;
+  mark(canvas.words, line + (last >> kWordShift), (Words{} + 1u) << (Words)(last & kInWord));
+}
+
+VOXNAV_INLINE void walk_all(const Canvas& canvas, const RayEnds& ends, std::size_t first, std::size_t last,
+                            const geometry::Vec3f& corner, const geometry::Vec3f& origin) {
+  for (std::size_t i = first; i < last; i += kLanes) {
+    Floats p[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float* from = ends.along[static_cast<std::size_t>(axis)].data() + i;
+      // The last rays are walked again in lanes that would be empty.
+      for (std::size_t k = 0; k < kLanes; ++k) p[axis][k] = from[std::min(k, last - i - 1)];
+      p[axis] -= corner[axis];
+    }
+    walk(canvas, p[0], p[1], p[2], origin);
   }
 }
 
-/// The way of a ray across one of its two shorter axes, seen from the longest one: where it changes voxel.
-struct RayMarks::ShortAxis {
-  const RowTable& rows;
-  int cell;
-  int step;               ///< +1 or -1
-  std::int64_t next;      ///< fixed-point coordinate on the longest axis at which the next change comes
-  std::int64_t per_cell;  ///< between changes
+VOXNAV_WIDE void walk_all_wide(const Canvas& canvas, const RayEnds& ends, std::size_t first, std::size_t last,
+                               const geometry::Vec3f& corner, const geometry::Vec3f& origin) {
+  walk_all(canvas, ends, first, last, corner, origin);
+}
 
-  std::uint32_t row() const { return rows[cell]; }
-  /// Takes the next change if `use`; written without branches, which nobody could predict.
-  void advance(bool use) {
-    const std::int64_t mask = -static_cast<std::int64_t>(use);
-    cell += step & static_cast<int>(mask);
-    next += per_cell & mask;
+/// 16 rows of 16 voxels of an image, and whether any is marked.
+struct Rows {
+  std::uint16_t row[kSide];
+  bool load(const std::uint8_t* at, std::ptrdiff_t step) {
+    unsigned any = 0;
+    for (int i = 0; i < kSide; ++i, at += step) {
+      std::memcpy(&row[i], at, sizeof row[i]);
+      any |= row[i];
+    }
+    return any != 0;
   }
 };
 
-inline RayMarks::ShortAxis RayMarks::short_axis(int axis, const RowTable& rows, int a, const geometry::Vec3& from,
-                                                const geometry::Vec3& to) const {
-  const double way = to[axis] - from[axis];
-  ShortAxis out{rows, static_cast<int>(from[axis]), way < 0.0 ? -1 : 1, kNever, 0};
-  if (static_cast<int>(to[axis]) == out.cell) return out;
-  const double per_cell = (to[a] - from[a]) / std::abs(way);
-  const double first = way > 0.0 ? out.cell + 1 - from[axis] : from[axis] - out.cell;
-  out.next = fixed(std::min(from[a] + first * per_cell, kMostPerCell));
-  out.per_cell = fixed(std::min(per_cell, kMostPerCell));
-  return out;
-}
+}  // namespace
 
 void RayMarks::begin(const ScanBox& box) {
   box_ = &box;
-  for (Image& image : images_) {
-    image.rows.resize(std::max<std::size_t>(image.rows.size(), kRows * box.num_blocks()));
-    image.crossed.resize(image.rows.size() / kRows);
+  std::uint32_t longest = 0, size = 0;
+  for (int a = 0; a < 3; ++a) {
+    const auto lines = [&](int axis) { return box.size(axis) * kSide + 2; };
+    Image& image = images_[static_cast<std::size_t>(a)];
+    image.step_b = static_cast<std::int32_t>((box.size(a) * kSide + kInWord) >> kWordShift);
+    image.step_c = image.step_b * static_cast<std::int32_t>(lines(a == 0 ? 1 : 0));
+    image.zero = static_cast<std::int32_t>(size) + image.step_b + image.step_c;
+    size += static_cast<std::uint32_t>(image.step_c) * lines(a == 2 ? 1 : 2);
+    longest = std::max(longest, lines(a));
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    const auto stride = static_cast<std::uint32_t>(kRows * box.block_stride(axis));
-    second_[i].build(static_cast<int>(box.size(axis)), stride, 1);
-    third_[i].build(static_cast<int>(box.size(axis)), stride, kSide);
-  }
+  words_.assign(size, 0);
+  // Coordinates stay below 2^29, so that the sum of one and kNever is still a number.
+  for (fraction_bits_ = 0; (std::uint64_t{longest} << (fraction_bits_ + 1)) < (1u << 29);) ++fraction_bits_;
 }
 
-/// Voxels first to last of a row along the longest axis.
-inline void RayMarks::mark_run(Image* image, std::uint32_t block_stride, std::uint32_t row, int first, int last) {
-  const auto mark = [&](int block, int low, int high) {
-    const std::uint32_t at = row + static_cast<std::uint32_t>(block) * block_stride;
-    image->rows[at] = static_cast<std::uint16_t>(image->rows[at] | ((2u << high) - (1u << low)));
-    image->crossed[at / kRows] = 1;
-  };
-  int block = first >> kShift, low = first & (kSide - 1);
-  for (; block < last >> kShift; ++block, low = 0) mark(block, low, kSide - 1);
-  mark(block, low, last & (kSide - 1));
+void RayMarks::cast(const RayEnds& ends, std::size_t first, std::size_t last, const geometry::Vec3& origin) {
+  const geometry::Vec3f corner = box_->corner().cast<float>();
+  const geometry::Vec3f from = origin.cast<float>() - corner;
+  const Canvas canvas{words_.data(), images_, fraction_bits_};
+  (base::is_wide() ? walk_all_wide : walk_all)(canvas, ends, first, last, corner, from);
 }
 
-void RayMarks::cast(const geometry::Vec3f& end, const geometry::Vec3& origin) {
-  const geometry::Vec3 corner = box_->corner();
-  geometry::Vec3 from = end.cast<double>() - corner;
-  geometry::Vec3 to = origin - corner;
-  int a = 0;
-  (to - from).cwiseAbs().maxCoeff(&a);
-  if (from[a] > to[a]) std::swap(from, to);
-  const int second = (a + 1) % 3, third = (a + 2) % 3;
-  ShortAxis b = short_axis(second, second_[static_cast<std::size_t>(second)], a, from, to);
-  ShortAxis c = short_axis(third, third_[static_cast<std::size_t>(third)], a, from, to);
-  const auto stride = static_cast<std::uint32_t>(kRows * box_->block_stride(a));
-  Image* image = &images_[static_cast<std::size_t>(a)];
-  const std::int64_t last_change = fixed(to[a]);
-  int at = static_cast<int>(from[a]);
-  const int last = static_cast<int>(to[a]);
-  while (true) {
-    const bool is_b = b.next <= c.next;
-    const std::int64_t next = is_b ? b.next : c.next;
-    if (next >= last_change) break;
-    const auto stop = static_cast<int>(next >> kFraction);
-    mark_run(image, stride, b.row() + c.row(), at, stop);
-    b.advance(is_b);
-    c.advance(!is_b);
-    at = stop;
+const std::uint8_t* RayMarks::line_of(int axis, int a, int b, int c) const {
+  const Image& image = images_[static_cast<std::size_t>(axis)];
+  const std::uint32_t* line = words_.data() + image.zero + b * image.step_b + c * image.step_c;
+  return reinterpret_cast<const std::uint8_t*>(line) + a / 8;
+}
+
+namespace {
+
+/// What any of 16 times `count` words holds, `step` words apart.
+VOXNAV_INLINE void unite(const std::uint32_t* from, std::size_t count, std::ptrdiff_t step, std::uint32_t* all) {
+  std::memcpy(all, from, count * sizeof *all);
+  for (int i = 1; i < kSide; ++i) {
+    const std::uint32_t* next = from + i * step;
+    for (std::size_t k = 0; k < count; ++k) all[k] |= next[k];
   }
-  mark_run(image, stride, b.row() + c.row(), at, last);
-  // Where rounding has put the last change behind the end.
-  b.cell = static_cast<int>(to[second]);
-  c.cell = static_cast<int>(to[third]);
-  mark_run(image, stride, b.row() + c.row(), last, last);
+}
+VOXNAV_WIDE void unite_wide(const std::uint32_t* from, std::size_t count, std::ptrdiff_t step, std::uint32_t* all) {
+  unite(from, count, step, all);
+}
+
+}  // namespace
+
+void RayMarks::finish() {
+  crossed_.assign(box_->num_blocks(), 0);
+  std::vector<std::uint32_t> all;
+  for (int a = 0; a < 3; ++a) {
+    const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
+    const Image& image = images_[static_cast<std::size_t>(a)];
+    const auto words = static_cast<std::size_t>(image.step_b);
+    all.resize(kSide * words);
+    for (std::uint32_t bc = 0; bc < box_->size(b) * box_->size(c); ++bc) {
+      const std::uint32_t block_b = bc % box_->size(b), block_c = bc / box_->size(b);
+      const std::uint32_t* first = words_.data() + image.zero +
+                                   static_cast<std::int32_t>(block_b * kSide) * image.step_b +
+                                   static_cast<std::int32_t>(block_c * kSide) * image.step_c;
+      (base::is_wide() ? unite_wide : unite)(first, all.size(), image.step_c, all.data());
+      for (std::uint32_t block_a = 0; block_a < box_->size(a); ++block_a) {
+        std::uint32_t any = 0;
+        for (std::size_t line = 0; line < kSide; ++line) any |= all[line * words + block_a / 2];
+        if (((any >> (kSide * (block_a & 1u))) & 0xFFFFu) == 0) continue;
+        const std::uint32_t block =
+            block_a * box_->block_stride(a) + block_b * box_->block_stride(b) + block_c * box_->block_stride(c);
+        crossed_[block] |= static_cast<std::uint8_t>(1u << a);
+      }
+    }
+  }
 }
 
 void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
-  const auto rows = [&](int axis) { return images_[axis].rows.data() + kRows * block; };
-  if (images_[0].crossed[block] != 0) {
-    // Rows along x are in the order of the voxels already.
-    for (std::size_t i = 0; i < kRows; ++i) (*bits)[i / 4] |= std::uint64_t{rows(0)[i]} << (16 * (i % 4));
-  }
+  const geometry::Index3 first = box_->first_in_box(block);
+  const auto bytes = [&](int a) {
+    return static_cast<std::ptrdiff_t>(images_[static_cast<std::size_t>(a)].step_b) * 4;
+  };
+  const auto set = [&](int y, int z, std::uint16_t row) {
+    (*bits)[static_cast<std::size_t>(4 * z + y / 4)] |= std::uint64_t{row} << (16 * (y & 3));
+  };
+  Rows rows;
   std::uint16_t turned[kSide];
-  if (images_[1].crossed[block] != 0) {
-    for (int z = 0; z < kSide; ++z) {
-      if (!transpose_16(rows(1) + z, kSide, turned)) continue;
-      for (int y = 0; y < kSide; ++y) (*bits)[4 * z + y / 4] |= std::uint64_t{turned[y]} << (16 * (y % 4));
-    }
+  for (int z = 0; z < kSide && (crossed_[block] & 1u) != 0; ++z) {  // rows in the order of the voxels already
+    if (!rows.load(line_of(0, first.x, first.y, first.z + z), bytes(0))) continue;
+    for (int y = 0; y < kSide; ++y) set(y, z, rows.row[y]);
   }
-  if (images_[2].crossed[block] != 0) {
-    for (int y = 0; y < kSide; ++y) {
-      if (!transpose_16(rows(2) + y * kSide, 1, turned)) continue;
-      for (int z = 0; z < kSide; ++z) (*bits)[4 * z + y / 4] |= std::uint64_t{turned[z]} << (16 * (y % 4));
-    }
+  for (int z = 0; z < kSide && (crossed_[block] & 2u) != 0; ++z) {
+    if (!rows.load(line_of(1, first.y, first.x, first.z + z), bytes(1))) continue;
+    transpose_16(rows.row, turned);
+    for (int y = 0; y < kSide; ++y) set(y, z, turned[y]);
   }
-}
-
-void RayMarks::clear(std::uint32_t block) {
-  for (Image& image : images_) {
-    if (image.crossed[block] == 0) continue;
-    image.crossed[block] = 0;
-    std::fill_n(image.rows.begin() + static_cast<std::ptrdiff_t>(kRows * block), kRows, std::uint16_t{0});
+  for (int y = 0; y < kSide && (crossed_[block] & 4u) != 0; ++y) {
+    if (!rows.load(line_of(2, first.z, first.x, first.y + y), bytes(2))) continue;
+    transpose_16(rows.row, turned);
+    for (int z = 0; z < kSide; ++z) set(y, z, turned[z]);
   }
-}
-
-std::size_t RayMarks::memory_bytes() const {
-  std::size_t bytes = 0;
-  for (const Image& image : images_) bytes += image.rows.capacity() * sizeof(std::uint16_t) + image.crossed.capacity();
-  return bytes;
 }
 
 }  // namespace voxnav::occupancy

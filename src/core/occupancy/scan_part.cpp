@@ -2,8 +2,52 @@
 #include "voxnav/occupancy/scan_part.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "lanes.hpp"
+#include "point_batch.hpp"
 
 namespace voxnav::occupancy {
+namespace {
+
+using namespace lanes;  // NOLINT: the vector types of this file
+
+/// Where the points of a batch end.
+struct PlacedBatch {
+  alignas(32) std::int32_t is_end[PointBatch::kSize];  ///< 0 = not a hit in the window
+  alignas(32) std::int32_t voxel[3][PointBatch::kSize];
+  alignas(32) float offset[3][PointBatch::kSize];  ///< from the voxel's centre
+};
+
+VOXNAV_INLINE void place(const PointBatch& batch, const ScanFrame& frame, PlacedBatch* out) {
+  const float nearest_sq = frame.nearest_m * frame.nearest_m;
+  const float farthest_sq = frame.farthest_m * frame.farthest_m;
+  for (std::size_t i = 0; i < PointBatch::kSize; i += kLanes) {
+    const auto x = loaded<Floats>(batch.x + i), y = loaded<Floats>(batch.y + i), z = loaded<Floats>(batch.z + i);
+    const Floats range_sq = x * x + y * y + z * z;
+    Ints is_end = (range_sq >= nearest_sq) & (range_sq <= farthest_sq);  // comparisons that NaN fails
+    for (int axis = 0; axis < 3; ++axis) {
+      const Floats end = frame.origin[axis] +
+                         (frame.rotation(axis, 0) * x + frame.rotation(axis, 1) * y + frame.rotation(axis, 2) * z);
+      const Ints is_inside = (end >= frame.low[axis]) & (end <= frame.high[axis]);
+      is_end &= is_inside;
+      const Floats safe = is_inside ? end : Floats{};
+      // Coordinates in the window are never negative, so truncation is floor.
+      const Ints voxel = truncated(safe);
+      store(voxel, out->voxel[axis] + i);
+      store(safe - (floats(voxel) + 0.5f), out->offset[axis] + i);
+    }
+    store(is_end, out->is_end + i);
+  }
+}
+
+VOXNAV_WIDE void place_wide(const PointBatch& batch, const ScanFrame& frame, PlacedBatch* out) {
+  place(batch, frame, out);
+}
+
+}  // namespace
 
 geometry::Vec3f ScanFrame::clipped(const geometry::Vec3f& end) const {
   float share = 1.0f;
@@ -30,45 +74,46 @@ void ScanPart::add(const float* points, std::size_t n, std::size_t stride, const
 }
 
 void ScanPart::add_chunk(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
-  const float nearest_sq = frame.nearest_m * frame.nearest_m;
-  const float farthest_sq = frame.farthest_m * frame.farthest_m;
+  PointBatch batch;
+  PlacedBatch placed;
   EndRun run;
   const auto flush = [&] {
     if (run.voxel.x >= 0) runs_.push_back(run);
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    const geometry::Vec3f p_L(points[i * stride], points[i * stride + 1], points[i * stride + 2]);
-    const float range_sq = p_L.squaredNorm();
-    const geometry::Vec3f end = frame.origin + frame.rotation * p_L;
-    // Written so that NaN fails.
-    if (!(range_sq >= nearest_sq && range_sq <= farthest_sq && frame.contains(end))) {
-      add_odd(p_L, frame);
-      continue;
+  for (std::size_t begin = 0; begin < n; begin += PointBatch::kSize) {
+    const std::size_t count = batch.load(points + begin * stride, n - begin, stride);
+    (base::is_wide() ? place_wide : place)(batch, frame, &placed);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (placed.is_end[i] == 0) {
+        add_odd(geometry::Vec3f(batch.x[i], batch.y[i], batch.z[i]), frame);
+        continue;
+      }
+      const geometry::Index3 voxel{placed.voxel[0][i], placed.voxel[1][i], placed.voxel[2][i]};
+      if (voxel != run.voxel) {
+        flush();
+        run = EndRun{};
+        run.voxel = voxel;
+      }
+      run.add(placed.offset[0][i], placed.offset[1][i], placed.offset[2][i]);
     }
-    // Coordinates in the window are never negative, so truncation is floor.
-    const geometry::Index3 voxel{static_cast<int>(end.x()), static_cast<int>(end.y()), static_cast<int>(end.z())};
-    if (voxel != run.voxel) {
-      flush();
-      run = EndRun{};
-      run.voxel = voxel;
-    }
-    run.add(geometry::Vec3f(end.x() - (static_cast<float>(voxel.x) + 0.5f),
-                            end.y() - (static_cast<float>(voxel.y) + 0.5f),
-                            end.z() - (static_cast<float>(voxel.z) + 0.5f)));
   }
   flush();
 }
 
 void ScanPart::add_odd(const geometry::Vec3f& p_L, const ScanFrame& frame) {
+  const float range_sq = p_L.squaredNorm();
+  // Squares of ordinary numbers may be none themselves.
+  const float range_m = range_sq < std::numeric_limits<float>::max() ? std::sqrt(range_sq) : p_L.stableNorm();
   if (!p_L.allFinite()) {
     ++num_not_finite_;
-  } else if (p_L.stableNorm() < frame.nearest_m) {
+  } else if (range_m < frame.nearest_m) {
     ++num_too_near_;
-  } else if (p_L.stableNorm() > frame.farthest_m) {
+  } else if (range_m > frame.farthest_m) {
     ++num_far_;
     if (!frame.clear_beyond_range) return;
-    const geometry::Vec3f end = frame.origin + frame.rotation * p_L.stableNormalized() * frame.farthest_m;
-    clearing_ends_.push_back(frame.clipped(end));
+    const geometry::Vec3f last = p_L * (frame.farthest_m / range_m);
+    const geometry::Vec3f end = frame.origin + frame.rotation * last;
+    clearing_ends_.push_back(frame.contains(end) ? end : frame.clipped(end));
   } else {
     ++num_outside_;
     clearing_ends_.push_back(frame.clipped(frame.origin + frame.rotation * p_L));

@@ -3,48 +3,78 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
+#include "lanes.hpp"
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 
 namespace {
 
+using namespace lanes;  // NOLINT: the vector types of this file
+
 /// std::lrint() is a call without -fno-math-errno; halves away from zero.
 std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + std::copysign(0.5f, value)); }
+VOXNAV_INLINE Ints rounded(Floats value) {
+  return truncated(value + (value < 0.0f ? Floats{} - 0.5f : Floats{} + 0.5f));
+}
+VOXNAV_INLINE Floats clamped(Floats value, float limit) {
+  return smaller(larger(value, Floats{} - limit), Floats{} + limit);
+}
 
 constexpr float kCovarianceUnit = 1.0f / SurfaceLeaf::kCovarianceUnits;  // divisions are slow
 
+using Shorts = std::int16_t __attribute__((vector_size(16)));
+
+/// Eight of a leaf's numbers from `at` on, of which those that do not belong together are ignored.
+VOXNAV_INLINE Floats loaded_from(const SurfaceLeaf& leaf, std::size_t at) {
+  Shorts out;
+  std::memcpy(&out, reinterpret_cast<const char*>(&leaf) + at, sizeof out);
+  return floats(__builtin_convertvector(out, Ints));
+}
+/// Six of them back.
+VOXNAV_INLINE void store_six(Floats values, SurfaceLeaf* leaf, std::size_t at) {
+  const Shorts out = __builtin_convertvector(rounded(values), Shorts);
+  std::memcpy(reinterpret_cast<char*>(leaf) + at, &out, 6 * sizeof(std::int16_t));
+}
+constexpr std::size_t kCovarianceAt = offsetof(SurfaceLeaf, covariance);
+constexpr std::size_t kMeansAt = offsetof(SurfaceLeaf, mean);
+static_assert(kMeansAt + sizeof(SurfaceLeaf::mean) == offsetof(SurfaceLeaf, recent_mean), "read together");
+
 }  // namespace
 
-void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
+VOXNAV_INLINE void SurfaceLeaf::add(const PointSpread& hits, int number) {
   if (scans < 255) ++scans;
   if (recent_scans < 65535) ++recent_scans;
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
   const float recent_share = 1.0f / static_cast<float>(recent_scans);
   const float later = static_cast<float>(kTimeUnits * number) - static_cast<float>(recent_time);
   recent_time = static_cast<std::uint16_t>(static_cast<float>(recent_time) + recent_share * later + 0.5f);
-  geometry::Vec3f moved;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float old = static_cast<float>(mean[axis]) * (0.5f / kMeanUnits);
-    const float hit = std::clamp(hits.mean[axis], -0.5f, 0.5f);
-    moved[axis] = hit - old;
-    mean[axis] = rounded((old + share * moved[axis]) * (2.0f * kMeanUnits));
-    const float recent = static_cast<float>(recent_mean[axis]);
-    recent_mean[axis] = rounded(recent + recent_share * (hit * (2.0f * kMeanUnits) - recent));
-  }
-  int i = 0;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = row; column < 3; ++column, ++i) {
-      // Covariance of a mixture of two sets of points.
-      const float old = static_cast<float>(covariance[i]) * kCovarianceUnit;
-      const float mixed = (1.0f - share) * (old + share * moved[row] * moved[column]) + share * hits.covariance[i];
-      covariance[i] = rounded(std::clamp(mixed, -0.25f, 0.25f) * kCovarianceUnits);
-    }
-  }
+  const auto hit = [&](int axis) { return std::min(std::max(hits.mean[axis], -0.5f), 0.5f); };
+  const float x = hit(0), y = hit(1), z = hit(2);
+  const auto moved = [&](float to, int axis) { return to - static_cast<float>(mean[axis]) * (0.5f / kMeanUnits); };
+  const float dx = moved(x, 0), dy = moved(y, 1), dz = moved(z, 2);
+  const Floats means = loaded_from(*this, kMeansAt);
+  const Floats shares{share, share, share, recent_share, recent_share, recent_share, 0.0f, 0.0f};
+  store_six(means + shares * (Floats{x, y, z, x, y, z, 0.0f, 0.0f} * (2.0f * kMeanUnits) - means), this, kMeansAt);
+  // Covariance of a mixture of two sets of points.
+  const auto& c = hits.covariance;
+  const Floats products{dx * dx, dx * dy, dx * dz, dy * dy, dy * dz, dz * dz, 0.0f, 0.0f};
+  const Floats mixed = (1.0f - share) * (loaded_from(*this, kCovarianceAt) * kCovarianceUnit + share * products) +
+                       share * Floats{c[0], c[1], c[2], c[3], c[4], c[5], 0.0f, 0.0f};
+  store_six(clamped(mixed, 0.25f) * kCovarianceUnits, this, kCovarianceAt);
   patience = std::max(patience, seen_through);
   seen_through = 0;
   octants = 0;
+}
+
+void SurfaceLeaf::add_plain(const PointSpread& hits, int number) { add(hits, number); }
+VOXNAV_WIDE void SurfaceLeaf::add_wide(const PointSpread& hits, int number) { add(hits, number); }
+
+void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
+  base::is_wide() ? add_wide(hits, number) : add_plain(hits, number);
 }
 
 bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
@@ -52,21 +82,16 @@ bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
   return seen_through > std::min<int>(patience, max_patience);
 }
 
-float SurfaceLeaf::squared_distance(const geometry::Vec3f& to_mean, const geometry::Vec3f& direction,
-                                    float least_spread) const {
+HitSpread SurfaceLeaf::spread(float least_spread) const {
   const auto entry = [&](int i) { return static_cast<float>(covariance[i]) * kCovarianceUnit; };
   const float least = least_spread * least_spread;
   const float xx = entry(0) + least, xy = entry(1), xz = entry(2);
   const float yy = entry(3) + least, yz = entry(4), zz = entry(5) + least;
-  // Adjugate: the inverse times the determinant.
-  Eigen::Matrix3f adjugate;
-  adjugate << yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,  //
-      xz * yz - xy * zz, xx * zz - xz * xz, xy * xz - xx * yz,          //
-      xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy;
-  const float determinant = xx * adjugate(0, 0) + xy * adjugate(1, 0) + xz * adjugate(2, 0);
-  const geometry::Vec3f weighted = adjugate * direction;
-  const float along = to_mean.dot(weighted);
-  return (to_mean.dot(adjugate * to_mean) - along * along / direction.dot(weighted)) / determinant;
+  HitSpread out{{yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy, xx * zz - xz * xz, xy * xz - xx * yz,
+                 xx * yy - xy * xy},
+                0.0f};
+  out.determinant = xx * out.adjugate[0] + xy * out.adjugate[1] + xz * out.adjugate[2];
+  return out;
 }
 
 OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Insertion time and faithfulness of LocalMap and OctoMap on the same scans, one after the other, as rows of a Markdown
 // table.
-//   benchmark_local_map_table [--seeds=1,2,3] [--scans=60,24,8] [--without-octomap]
+//   benchmark_local_map_table [--seeds=1,2,3] [--scans=60,24,8] [--without-octomap] [--points=DIR]
+// With --points it also leaves what the maps of 0.4 m of the last seed hold, for scripts/dev/plot_local_map.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -9,8 +10,10 @@
 #include <ctime>
 #include <numeric>
 #include <sstream>
+#include <string>
 
 #include "contestants.hpp"
+#include "points_out.hpp"
 #include "quality.hpp"
 
 using namespace voxnav::benchmark;  // NOLINT: benchmark
@@ -23,6 +26,7 @@ struct Options {
   std::vector<int> seeds{1, 2, 3};
   std::vector<int> scans{60, 24, 8};  ///< per resolution: OctoMap needs seconds for each of the finest
   bool with_octomap = true;
+  std::string points_dir;  ///< empty: none
 };
 
 struct Setup {
@@ -53,6 +57,7 @@ Options options_of(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--seeds=", 8) == 0) out.seeds = numbers(argv[i] + 8);
     if (std::strncmp(argv[i], "--scans=", 8) == 0) out.scans = numbers(argv[i] + 8);
+    if (std::strncmp(argv[i], "--points=", 9) == 0) out.points_dir = argv[i] + 9;
     if (std::strcmp(argv[i], "--without-octomap") == 0) out.with_octomap = false;
   }
   out.scans.resize(3, out.scans.empty() ? 8 : out.scans.back());
@@ -137,6 +142,10 @@ void measure_forest(const Options& options, int seed) {
         "foliage | branch |\n");
     print_quality(flight, cells, runs, scene);
     std::fflush(stdout);
+    if (i != 0 || options.points_dir.empty()) continue;
+    write_truth(options.points_dir, flight, num_scans);
+    write_occupied(options.points_dir, *runs.front().map);
+    if (options.with_octomap) write_occupied(options.points_dir, *runs.back().map);
   }
 }
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "voxnav/base/processor.hpp"
+
+/// Eight numbers at once, in the compiler's vector types, which every processor has some instructions for. Comparisons
+/// give lanes of all ones or all zeros.
+namespace voxnav::occupancy::lanes {
+
+constexpr int kLanes = 8;
+using Floats = float __attribute__((vector_size(32)));
+using Ints = std::int32_t __attribute__((vector_size(32)));
+using Words = std::uint32_t __attribute__((vector_size(32)));
+
+VOXNAV_INLINE Floats absolute(Floats x) { return x < 0.0f ? -x : x; }
+VOXNAV_INLINE Floats smaller(Floats a, Floats b) { return a < b ? a : b; }
+VOXNAV_INLINE Floats larger(Floats a, Floats b) { return a > b ? a : b; }
+VOXNAV_INLINE Ints larger(Ints a, Ints b) { return a > b ? a : b; }
+VOXNAV_INLINE Ints truncated(Floats x) { return __builtin_convertvector(x, Ints); }
+VOXNAV_INLINE Floats floats(Ints x) { return __builtin_convertvector(x, Floats); }
+VOXNAV_INLINE std::int32_t highest(Ints x) {
+  std::int32_t out = x[0];
+  for (int i = 1; i < kLanes; ++i) out = x[i] > out ? x[i] : out;
+  return out;
+}
+
+template <class V, class Number>
+VOXNAV_INLINE V loaded(const Number* from) {
+  V out;
+  std::memcpy(&out, from, sizeof out);
+  return out;
+}
+template <class V, class Number>
+VOXNAV_INLINE void store(V x, Number* to) {
+  std::memcpy(to, &x, sizeof x);
+}
+
+}  // namespace voxnav::occupancy::lanes
