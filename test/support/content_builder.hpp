@@ -17,12 +17,14 @@ class ContentBuilder {
  public:
   explicit ContentBuilder(double resolution_m) : resolution_m_(resolution_m) {}
 
-  void set_free(const geometry::Index3& voxel) { put(voxel, containers::State::kFree, geometry::Vec3::Zero(), 0); }
+  void set_free(const geometry::Index3& voxel) { put(voxel, containers::State::kFree, geometry::Vec3::Zero(), 1); }
   /// @param offset surface point from the voxel centre in voxel edges, +-0.5
   void set_occupied(const geometry::Index3& voxel, const geometry::Vec3& offset = geometry::Vec3::Zero(),
                     int hits = 10) {
     put(voxel, containers::State::kOccupied, offset, hits);
   }
+  /// A voxel that is only remembered.
+  void set_remembered(const geometry::Index3& voxel) { voxels_.at(voxel).leaf.own_hits = 0; }
   /// An occupied voxel that was only remembered, as far as registration is concerned, or seen elsewhere by the submap.
   void set_own(const geometry::Index3& voxel, const geometry::Vec3& offset, int hits) {
     occupancy::OccupiedLeaf& leaf = voxels_.at(voxel).leaf;
@@ -40,6 +42,8 @@ class ContentBuilder {
       leaf.offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
       block.states.set(leaf.offset, value.state);
       if (value.state == containers::State::kOccupied) block.occupied.push_back(leaf);
+      if (value.state == containers::State::kFree && value.leaf.own_hits > 0)
+        block.own_free[leaf.offset >> 6] |= std::uint64_t{1} << (leaf.offset & 63);
     }
     occupancy::MapContent content;
     content.resolution_m = resolution_m_;

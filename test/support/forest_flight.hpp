@@ -114,8 +114,9 @@ inline std::vector<FlownSubmap> forest_flight(int num_submaps, double resolution
     const std::vector<float> points = forest_scan(T_O_L.translation(), is_back ? 3.0 : 0.1);
     for (int repeat = 0; repeat < 3; ++repeat) map.insert(points.data(), points.size() / 3, 3, T_O_L);
     if (i % kScans == kScans - 1) {
-      out.push_back({geometry::gravity_aligned(T_O_L), map.content()});
-      map.take_evicted();
+      occupancy::MapContent content = map.take_evicted();
+      content.merge(map.hand_over());
+      out.push_back({geometry::gravity_aligned(T_O_L), std::move(content)});
     }
   }
   return out;

@@ -23,11 +23,16 @@ struct OccupiedLeaf {
   std::uint8_t own_time = 128;  ///< mean time of these hits: 0 right after the last handover, 255 at this one
 };
 
+/// One bit per voxel of a block, in words of 64 voxels.
+using VoxelBits = std::array<std::uint64_t, geometry::kBlockVolume / 64>;
+
 /// The known part of one block of 16^3 voxels.
 struct ContentBlock {
   geometry::Index3 index;  ///< block index in the map's grid
   containers::StateBlock states;
   std::vector<OccupiedLeaf> occupied;  ///< sorted by offset; exactly the voxels whose state is occupied
+  /// Free voxels that were looked at since the last handover; other free ones are only remembered.
+  VoxelBits own_free{};
 };
 
 /// Everything the local map knows, in the form in which it is handed to a submap. Coordinates are

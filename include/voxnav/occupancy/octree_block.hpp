@@ -24,6 +24,7 @@ class OctreeBlock {
 
   alignas(16) std::array<std::uint8_t, geometry::kBlockVolume> log_odds;
   SurfaceLeaves leaves;
+  VoxelBits seen{};              ///< crossed by a ray, hit or set since the last handover
   std::uint64_t changed_at = 0;  ///< LocalMap::sequence() when a state last changed
 
   /// Contains bit of every voxel.
@@ -42,9 +43,14 @@ class OctreeBlock {
   containers::StateBlock states(const StateLevels& levels) const;
   /// @param num_scans  since the last handover
   ContentBlock content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const;
+  bool is_seen(int offset) const { return ((seen[offset >> 6] >> (offset & 63)) & 1u) != 0; }
+  void mark_seen(int offset) { seen[offset >> 6] |= std::uint64_t{1} << (offset & 63); }
+  /// What is seen from here on counts as seen after a handover.
+  void begin_handover();
   std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
 
  private:
+  VoxelBits own_free(const StateLevels& levels) const;
   static constexpr int kNodes = 512 + 64 + 8 + 1;
   static constexpr std::array<int, kLevels + 1> kFirst{0, 0, 512, 576, 584};
   static int node_index(int level, int x, int y, int z) {

@@ -11,9 +11,6 @@
 
 namespace voxnav::occupancy {
 
-/// One bit per voxel of a block, in words of 64 voxels.
-using VoxelBits = std::array<std::uint64_t, geometry::kBlockVolume / 64>;
-
 /// Mean and spread of points, voxel edges.
 struct PointSpread {
   geometry::Vec3f mean = geometry::Vec3f::Zero();  ///< from the voxel centre

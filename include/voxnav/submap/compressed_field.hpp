@@ -49,13 +49,17 @@ class CompressedField {
   std::optional<float> value(const geometry::Index3& voxel) const;
   /// Nearest occupied thing within `max_distance` of p, exact. O(blocks within reach).
   std::optional<Nearest> nearest(const geometry::Vec3& p, double max_distance, Target target) const;
-  /// Whether a surface point is nearer to p than `distance`. O(cells of 4^3 voxels within reach): for small distances
-  /// much cheaper than nearest().
-  bool has_surface_within(const geometry::Vec3& p, double distance) const;
+  /// Whether a surface point that the submap hit itself is nearer to p than `distance`. O(cells of 4^3 voxels within
+  /// reach): for small distances much cheaper than nearest().
+  bool has_own_surface_within(const geometry::Vec3& p, double distance) const;
 
   /// Calls f(voxel, leaf) for every occupied voxel, in block and cell order.
   template <class F>
   void for_each_leaf(F&& f) const;
+  /// Calls f(voxel, leaf, i) for every voxel that the submap hit itself, with the mean of its own hits; i: number of
+  /// the voxel among those of for_each_leaf().
+  template <class F>
+  void for_each_own_leaf(F&& f) const;
   /// Calls f(voxel, leaf) for the occupied voxels of the block with this index, if there is one.
   template <class F>
   void for_each_leaf_in(const geometry::Index3& index, F&& f) const;
@@ -70,25 +74,18 @@ class CompressedField {
     return block.occupied_cells != 0 || (has_values_ && block.num_near > 0);
   }
 
-  /// Looks states up, remembering the last block: for walks through neighbouring voxels.
-  class Reader {
-   public:
-    explicit Reader(const CompressedField& field) : field_(&field) {}
-    containers::State state(const geometry::Index3& voxel);
-
-   private:
-    const CompressedField* field_;
-    geometry::Index3 at_{1 << 30, 0, 0};
-    const void* block_ = nullptr;
-  };
-
   std::size_t num_blocks() const { return blocks_.size(); }
   const geometry::Index3& block_index(std::size_t i) const { return blocks_[i].index; }
   /// Position of a block among them, -1 when it is not there.
   int position_of(const geometry::Index3& block) const;
   /// States of the i-th block as columns.
   ColumnBlock columns(std::size_t i) const;
+  /// Free voxels of the i-th block that the submap looked at itself; all of them where distances were measured.
+  Columns own_free(std::size_t i) const;
+  /// Whether the submap saw anything of the i-th block itself.
+  bool has_own(std::size_t i) const { return blocks_[i].has_own; }
   std::size_t num_leaves() const { return leaves_.size(); }
+  std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_leaves_.size(); }
   /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
   /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
   CompressedField own_surface() const;
@@ -101,9 +98,10 @@ class CompressedField {
   std::size_t memory_bytes() const;
 
   void write(base::ByteWriter* out) const;
+  /// What older files did not tell from what was remembered is taken for own.
+  enum class OwnParts { kNone, kHits, kHitsAndFree };
   /// @throws std::invalid_argument when the parts do not fit each other
-  /// @param has_own  false: from before own hits were told from remembered ones; then all are taken for own
-  static CompressedField read(base::ByteReader* in, bool has_own);
+  static CompressedField read(base::ByteReader* in, OwnParts own);
 
   /// Cells of a block, and voxels of a cell, x fastest.
   static int cell_of(int offset) { return ((offset >> 2) & 3) | ((offset >> 4) & 12) | ((offset >> 6) & 48); }
@@ -131,6 +129,11 @@ class CompressedField {
     std::uint32_t first_near = 0;
     std::uint64_t occupied_cells = 0;
     std::uint8_t num_near = 0;
+    bool has_own = false;
+    // Bit per cell: the submap saw all of its free voxels itself, or those that own_free_ has a word for.
+    std::uint64_t own_cells = 0;
+    std::uint64_t partly_own_cells = 0;
+    std::uint32_t first_own_free = 0;
   };
 
   template <class F>
@@ -140,19 +143,27 @@ class CompressedField {
   void add_block(const occupancy::ContentBlock& content);
   void add_block(const FilledBlock& filled);
   void add_leaf(const Leaf& leaf, const Leaf& own, std::uint8_t own_time);
+  void add_own_free(int cell, std::uint64_t own, const CellStates& states, Block* block);
   bool is_own(std::size_t leaf) const { return (own_bits_[leaf >> 6] >> (leaf & 63)) & 1u; }
   void read_own(base::ByteReader* in);
+  void write_own_free(base::ByteWriter* out) const;
+  void read_own_free(base::ByteReader* in);
+  void take_all_free();
+  bool has_own_leaf(const Block& block) const;
   void add_cell(int cell, const CellStates& states, const CellValues* values, Block* block);
   void shrink();
   void link();
   const Block* find(const geometry::Index3& index) const;
-  bool has_point_within(const Block& block, int cell, const geometry::Vec3& p, double squared) const;
+  const Leaf* own_leaf(std::size_t leaf) const;
+  bool has_own_point_within(const Block& block, int cell, const geometry::Vec3& p, double squared) const;
   void search_near_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void search_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void place_records(const base::ByteReader& in);
   CellStates cell_states(const Block& block, int cell) const;
   void check(const base::ByteReader& in) const;
   static int count_occupied(const CellStates& states);
+  static std::uint64_t free_of(const CellStates& states);
+  static std::uint64_t bits_of_cell(const occupancy::VoxelBits& bits, int cell);
 
   double band_ = 3.0;
   bool has_values_ = false;
@@ -163,9 +174,11 @@ class CompressedField {
   std::vector<CellValues> values_;         ///< of each of them, where distances were measured
   std::vector<Leaf> leaves_;
   std::vector<std::uint64_t> own_bits_;  ///< of each leaf: the submap hit it itself; none where distances were measured
-  std::vector<Leaf> own_leaves_;         ///< for those, from the submap's own hits
-  std::vector<std::uint8_t> own_times_;  ///< and when it saw them, 0 to 255 from its beginning to its end
-  std::vector<std::int32_t> table_;      ///< open addressing: position in blocks_ or -1
+  std::vector<std::uint32_t> own_before_;  ///< of each of these words: bits before it
+  std::vector<Leaf> own_leaves_;           ///< for those, from the submap's own hits
+  std::vector<std::uint8_t> own_times_;    ///< and when it saw them, 0 to 255 from its beginning to its end
+  std::vector<std::uint64_t> own_free_;    ///< bit per voxel of cells with own free voxels and remembered ones
+  std::vector<std::int32_t> table_;        ///< open addressing: position in blocks_ or -1
 };
 
 /// Surface point of a leaf in voxel edges.
@@ -193,6 +206,20 @@ void CompressedField::for_each_leaf_of(const Block& block, F&& f) const {
 template <class F>
 void CompressedField::for_each_leaf(F&& f) const {
   for (const Block& block : blocks_) for_each_leaf_of(block, f);
+}
+
+template <class F>
+void CompressedField::for_each_own_leaf(F&& f) const {
+  std::size_t i = 0;
+  std::size_t own = 0;
+  for_each_leaf([&](const geometry::Index3& voxel, const Leaf& leaf) {
+    if (has_values_) {
+      f(voxel, leaf, i);
+    } else if (is_own(i)) {
+      f(voxel, own_leaves_[own++], i);
+    }
+    ++i;
+  });
 }
 
 template <class F>

@@ -30,9 +30,10 @@ struct EvidenceRules {
 
 /// What all submaps together say about W, one block of 16^3 voxels at a time, oldest submap first: newer surface points
 /// replace older ones of their voxel, and newer free space removes older points unless the newer submap itself has a
-/// surface nearer than the clearing distance (so that small pose errors remove nothing). Thin things, which beams miss
-/// from afar, are removed only by free space that was seen from near. What a newer submap does not know changes
-/// nothing. Source: algorithms.md section 9. Not thread-safe.
+/// surface nearer than the clearing distance (so that small pose errors remove nothing). Free space is made of voxels
+/// that rays crossed, above the ground in them: a point goes only once what is below it was seen too, be it by another
+/// submap. Thin things, which beams miss from afar, are removed only by free space that was seen from
+/// near. What a newer submap does not know changes nothing. Source: algorithms.md section 9. Not thread-safe.
 class EvidenceMap {
  public:
   /// @throws std::invalid_argument unless the resolution is positive
@@ -59,7 +60,9 @@ class EvidenceMap {
                   EvidenceBlock* block) const;
   static void remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block);
 
-  bool clears(const PlacedSubmap& submap, const geometry::Vec3& p_W, const EvidenceLeaf& leaf) const;
+  bool is_near_enough(const PlacedSubmap& submap, const geometry::Vec3& p_W, const EvidenceLeaf& leaf) const;
+  void doubt(const geometry::Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
+             EvidenceBlock* block) const;
 
   EvidenceRules rules_;
   std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash> blocks_;

@@ -57,7 +57,10 @@ struct SubmapEntry {
   std::shared_ptr<const Submap> submap;
 };
 
-/// All finished submaps and what they say together in the map frame W. Not thread-safe.
+/// All finished submaps and what they say together in the map frame W. A submap says what it saw itself: what its local
+/// map remembered was seen by submaps before it, which say so where they lie now. Where the one before it is absent
+/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything. Not
+/// thread-safe.
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
@@ -128,15 +131,18 @@ class SubmapCollection {
     SubmapEntry entry;
     geometry::Pose merged_T_W_S = geometry::Pose::Identity();
     bool is_merged = false;
+    Knowledge merged = Knowledge::kOwn;    ///< what counts of it where it is the oldest
     std::vector<geometry::Index3> blocks;  ///< footprint where it is merged
     std::size_t bytes = 0;                 ///< of the submap when it came
     std::uint64_t last_used = 0;
   };
   Record* record(std::uint32_t id);
-  bool has_moved(const Record& record) const;
+  Knowledge knowledge_of(const SubmapEntry& entry) const;
+  bool has_changed(const Record& record) const;
   void forget(Record* record, std::vector<geometry::Index3>* stale);
   void append(const Key& key, Record* record);
-  void integrate(const std::map<Key, std::vector<geometry::Index3>>& work);
+  void integrate(std::map<Key, std::vector<geometry::Index3>> work);
+  void integrate(Record* record, Knowledge knowledge, const std::vector<geometry::Index3>& blocks);
   void page_out();
   void enforce_limits();
 

@@ -125,6 +125,7 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
   Applied applied;
   apply_misses(block, evidence, hits, refuted, scale, levels, &applied);
   apply_hits(block, evidence, scale, levels, &applied);
+  for (int word = 0; word < 64; ++word) block->seen[word] |= evidence.passed[word] | hits[word];
   if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
   // Most blocks are free space at the lower clamp, where a miss changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {

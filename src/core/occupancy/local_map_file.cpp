@@ -12,7 +12,8 @@ namespace voxnav::occupancy {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersionWithoutSeen = 3;    ///< then free space counts as remembered
 constexpr std::uint32_t kVersionWithoutRecent = 2;  ///< leaves end before recent_mean
 
 static_assert(sizeof(SurfaceLeaf) == 32 && offsetof(SurfaceLeaf, recent_mean) == 22, "leaves are written as they are");
@@ -34,17 +35,21 @@ LocalMapConfig get_config(base::ByteReader* in) {
 
 void put_block(const OctreeBlock& block, base::ByteWriter* out) {
   out->put(block.log_odds);
+  out->put(block.seen);
   out->put(block.leaves.bits());
   for (int word = 0; word < 64; ++word) {
     for_each_bit(block.leaves.bits()[word], [&](int bit) { out->put(*block.leaves.find(64 * word + bit)); });
   }
 }
 
-void get_block(OctreeBlock* block, const LogOddsScale& scale, std::size_t leaf_bytes, base::ByteReader* in) {
+void get_block(OctreeBlock* block, const LogOddsScale& scale, std::uint32_t version, base::ByteReader* in) {
+  const bool has_recent = version != kVersionWithoutRecent;
+  const std::size_t leaf_bytes = has_recent ? sizeof(SurfaceLeaf) : offsetof(SurfaceLeaf, recent_mean);
   block->log_odds = in->get<decltype(block->log_odds)>();
   for (const std::uint8_t level : block->log_odds) {
     if (level > scale.max) in->fail("has a voxel beyond the clamp");
   }
+  if (version == kVersion) block->seen = in->get<VoxelBits>();
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
     for_each_bit(block->leaves.bits()[word],
@@ -77,13 +82,12 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "local map");
   if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav local map");
   const auto version = in.get<std::uint32_t>();
-  if (version != kVersion && version != kVersionWithoutRecent) in.fail("has a version this program does not know");
-  const std::size_t leaf_bytes = version == kVersion ? sizeof(SurfaceLeaf) : offsetof(SurfaceLeaf, recent_mean);
+  if (version < kVersionWithoutRecent || version > kVersion) in.fail("has a version this program does not know");
   LocalMap map(get_config(&in));
   const bool is_placed = in.get<std::uint8_t>() != 0;
   const auto first = in.get<geometry::Index3>();
   if (is_placed) map.window_.place(first);
-  if (version == kVersion) map.recent_scans_ = in.get<std::int32_t>();
+  if (version != kVersionWithoutRecent) map.recent_scans_ = in.get<std::int32_t>();
   if (map.recent_scans_ < 0 || map.recent_scans_ > SurfaceLeaf::kMaxNumber)
     in.fail("has an impossible number of scans");
   const std::uint64_t count = in.get_count(geometry::kBlockVolume);
@@ -92,7 +96,7 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
     const auto slot = in.get<std::int32_t>();
     if (!is_placed || slot < 0 || slot >= map.window_.num_slots()) in.fail("has a block outside its window");
     OctreeBlock& block = map.window_.ensure(slot, map.scale_.prior);
-    get_block(&block, map.scale_, leaf_bytes, &in);
+    get_block(&block, map.scale_, version, &in);
     block.leaf_flags(map.levels_, &flags);
     block.refresh(flags);
     block.changed_at = 1;

@@ -73,7 +73,7 @@ MapContent LocalMap::hand_over() {
   MapContent out = content();
   recent_scans_ = 0;
   for (int slot = 0; slot < window_.num_slots(); ++slot) {
-    if (window_.at(slot) != nullptr) window_.at(slot)->leaves.begin_handover();
+    if (window_.at(slot) != nullptr) window_.at(slot)->begin_handover();
   }
   return out;
 }
@@ -170,8 +170,10 @@ std::size_t LocalMap::assign(const std::vector<VoxelLogOdds>& voxels) {
     const geometry::Index3 index = geometry::index_of(voxel.point, config_.resolution_m);
     const int slot = window_.slot_of(geometry::block_of(index));
     const double level = std::round(scale_.prior + voxel.log_odds * scale_.levels_per_unit);
-    window_.ensure(slot, scale_.prior).log_odds[geometry::offset_in_block(index)] =
-        static_cast<std::uint8_t>(std::clamp(level, 0.0, static_cast<double>(scale_.max)));
+    OctreeBlock& block = window_.ensure(slot, scale_.prior);
+    const int offset = geometry::offset_in_block(index);
+    block.log_odds[offset] = static_cast<std::uint8_t>(std::clamp(level, 0.0, static_cast<double>(scale_.max)));
+    block.mark_seen(offset);
     touched.insert(slot);
     ++num_set;
   }
@@ -196,8 +198,12 @@ std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
         const int slot = window_.slot_of(geometry::block_of(v));
         const bool near = (geometry::center_of(v, config_.resolution_m) - center).norm() <= reach;
         if (slot < 0 || !near) continue;
-        std::uint8_t& level = window_.ensure(slot, scale_.prior).log_odds[geometry::offset_in_block(v)];
-        if (level >= levels_.occupied_min || level == 0) continue;
+        OctreeBlock& block = window_.ensure(slot, scale_.prior);
+        const int offset = geometry::offset_in_block(v);
+        std::uint8_t& level = block.log_odds[offset];
+        if (level >= levels_.occupied_min) continue;
+        block.mark_seen(offset);
+        if (level == 0) continue;
         freed += levels_.of(level) != containers::State::kFree ? 1 : 0;
         level = 0;
         touched.insert(slot);

@@ -12,8 +12,9 @@ namespace {
 using containers::State;
 
 constexpr std::uint32_t kMagic = 0x434D5856;  // "VXMC"
-constexpr std::uint32_t kVersion = 2;
-constexpr std::uint32_t kVersionWithoutOwn = 1;  ///< all hits of a voxel in one
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersionWithoutOwnFree = 2;  ///< all free space in one
+constexpr std::uint32_t kVersionWithoutOwn = 1;      ///< all hits of a voxel in one
 
 /// Voxel by voxel: what `newer` knows wins. O(16^3).
 ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) {
@@ -28,6 +29,8 @@ ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) 
     while (old_leaf != older.occupied.end() && old_leaf->offset < offset) ++old_leaf;
     while (new_leaf != newer.occupied.end() && new_leaf->offset < offset) ++new_leaf;
     if (state == State::kOccupied) out.occupied.push_back(newest == State::kUnknown ? *old_leaf : *new_leaf);
+    const VoxelBits& own_free = newest == State::kUnknown ? older.own_free : newer.own_free;
+    out.own_free[offset >> 6] |= own_free[offset >> 6] & (std::uint64_t{1} << (offset & 63));
   }
   return out;
 }
@@ -57,6 +60,33 @@ OccupiedLeaf get_leaf(std::uint32_t version, base::ByteReader* in) {
   leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
   leaf.own_time = in->get<std::uint8_t>();
   return leaf;
+}
+
+/// Which words have bits, and these.
+void put_bits(const VoxelBits& bits, base::ByteWriter* out) {
+  std::uint64_t used = 0;
+  for (std::size_t word = 0; word < bits.size(); ++word) used |= std::uint64_t{bits[word] != 0} << word;
+  out->put(used);
+  for (const std::uint64_t word : bits) {
+    if (word != 0) out->put(word);
+  }
+}
+
+VoxelBits get_bits(base::ByteReader* in) {
+  VoxelBits out{};
+  const auto used = in->get<std::uint64_t>();
+  for (std::size_t word = 0; word < out.size(); ++word) {
+    if ((used >> word) & 1u) out[word] = in->get<std::uint64_t>();
+  }
+  return out;
+}
+
+VoxelBits free_bits(const containers::StateBlock& states) {
+  VoxelBits out{};
+  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+    out[offset >> 6] |= std::uint64_t{states.get(offset) == State::kFree} << (offset & 63);
+  }
+  return out;
 }
 
 void check_leaves(const ContentBlock& block, const base::ByteReader& reader) {
@@ -119,6 +149,7 @@ std::string MapContent::to_bytes() const {
     out.put(block.states);
     out.put<std::uint64_t>(block.occupied.size());
     for (const OccupiedLeaf& leaf : block.occupied) put_leaf(leaf, &out);
+    put_bits(block.own_free, &out);
   }
   return out.finish();
 }
@@ -127,7 +158,7 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "map content");
   if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map content");
   const auto version = in.get<std::uint32_t>();
-  if (version != kVersion && version != kVersionWithoutOwn) in.fail("has a version this program does not know");
+  if (version < kVersionWithoutOwn || version > kVersion) in.fail("has a version this program does not know");
   MapContent out;
   out.resolution_m = in.get<double>();
   if (!(out.resolution_m > 0.0)) in.fail("has no positive resolution");
@@ -141,6 +172,11 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
     block.occupied.resize(in.get_count(kLeafBytes));
     for (OccupiedLeaf& leaf : block.occupied) leaf = get_leaf(version, &in);
     check_leaves(block, in);
+    const VoxelBits free = free_bits(block.states);
+    block.own_free = version == kVersion ? get_bits(&in) : free;
+    for (std::size_t word = 0; word < free.size(); ++word) {
+      if ((block.own_free[word] & ~free[word]) != 0) in.fail("has own free space that is not free");
+    }
   }
   const auto less = [](const ContentBlock& a, const ContentBlock& b) { return a.index < b.index; };
   if (!std::is_sorted(out.blocks.begin(), out.blocks.end(), less)) in.fail("has unsorted blocks");

@@ -105,8 +105,35 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
     if (log_odds[offset] < levels.occupied_min) continue;
     const SurfaceLeaf* leaf = leaves.find(offset);
     out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
+    // Without hit statistics (their number is bounded) any ray counts as a miss: still occupied means hit.
+    if (!leaf && is_seen(offset)) out.occupied.back().own_hits = 1;
+  }
+  out.own_free = own_free(levels);
+  return out;
+}
+
+/// A voxel that was hit is not called free, however sure the map was that it is: older scans outvote these hits, and
+/// older scans are not the submap's own.
+VoxelBits OctreeBlock::own_free(const StateLevels& levels) const {
+  VoxelBits out = seen;
+  const std::uint8_t free_end = levels.free_end();
+  for (int word = 0; word < 64; ++word) {
+    if (seen[word] == 0) continue;
+    std::uint64_t free = 0;
+    for (int bit = 0; bit < 64; ++bit) {
+      free |= static_cast<std::uint64_t>(log_odds[64 * word + bit] < free_end ? 1 : 0) << bit;
+    }
+    for_each_bit(seen[word] & free & leaves.bits()[word], [&](int bit) {
+      if (leaves.find(64 * word + bit)->recent_scans > 0) free &= ~(std::uint64_t{1} << bit);
+    });
+    out[word] &= free;
   }
   return out;
+}
+
+void OctreeBlock::begin_handover() {
+  seen = {};
+  leaves.begin_handover();
 }
 
 }  // namespace voxnav::occupancy

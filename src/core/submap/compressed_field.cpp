@@ -34,12 +34,15 @@ std::uint64_t gather_even(std::uint64_t bits) {
   return (bits | (bits >> 16)) & 0x00000000FFFFFFFFull;
 }
 
-/// One of the two bits of each voxel of a cell as columns of four, x fastest. A word holds two layers of 16 voxels.
-std::uint64_t columns_of_cell(const std::array<std::uint64_t, 2>& states, int bit) {
-  const std::uint64_t low = gather_even(states[0] >> bit);
-  const std::uint64_t high = gather_even(states[1] >> bit);
-  return spread_by_four(low & 0xFFFFu) | spread_by_four(low >> 16) << 1 | spread_by_four(high & 0xFFFFu) << 2 |
-         spread_by_four(high >> 16) << 3;
+/// One of the two bits of each voxel of a cell.
+std::uint64_t bit_of_each(const std::array<std::uint64_t, 2>& states, int bit) {
+  return gather_even(states[0] >> bit) | gather_even(states[1] >> bit) << 32;
+}
+
+/// A bit per voxel of a cell as columns of four, x fastest: it comes in four layers of 16 voxels.
+std::uint64_t columns_of_cell(std::uint64_t bits) {
+  return spread_by_four(bits & 0xFFFFu) | spread_by_four((bits >> 16) & 0xFFFFu) << 1 |
+         spread_by_four((bits >> 32) & 0xFFFFu) << 2 | spread_by_four(bits >> 48) << 3;
 }
 
 /// Columns of four of a cell into those of its block. @param columns  of the block, from the cell's first on
@@ -82,9 +85,27 @@ ColumnBlock CompressedField::columns(std::size_t i) const {
     const CellStates states = cell_states(block, cell);
     const int first = offset_of(cell, 0);
     std::uint16_t* free = &out.free[static_cast<std::size_t>(first & 255)];
-    add_nibbles(code == kAllFree ? ~std::uint64_t{0} : columns_of_cell(states, 0), first >> 8, free);
+    add_nibbles(code == kAllFree ? ~std::uint64_t{0} : columns_of_cell(free_of(states)), first >> 8, free);
     if (code < kFirstNear) continue;
-    add_nibbles(columns_of_cell(states, 1), first >> 8, &out.occupied[static_cast<std::size_t>(first & 255)]);
+    add_nibbles(columns_of_cell(bit_of_each(states, 1)), first >> 8,
+                &out.occupied[static_cast<std::size_t>(first & 255)]);
+  }
+  return out;
+}
+
+std::uint64_t CompressedField::free_of(const CellStates& states) { return bit_of_each(states, 0); }
+
+Columns CompressedField::own_free(std::size_t i) const {
+  if (has_values_) return columns(i).free;
+  const Block& block = blocks_[i];
+  std::size_t next = block.first_own_free;
+  Columns out{};
+  for (std::uint64_t cells = block.own_cells | block.partly_own_cells; cells != 0; cells &= cells - 1) {
+    const int cell = __builtin_ctzll(cells);
+    const bool is_whole = (block.own_cells >> cell) & 1;
+    const std::uint64_t free = is_whole ? free_of(cell_states(block, cell)) : own_free_[next++];
+    const int first = offset_of(cell, 0);
+    add_nibbles(columns_of_cell(free), first >> 8, &out[static_cast<std::size_t>(first & 255)]);
   }
   return out;
 }
@@ -92,16 +113,6 @@ ColumnBlock CompressedField::columns(std::size_t i) const {
 State CompressedField::state(const Index3& voxel) const {
   const Block* block = find(geometry::block_of(voxel));
   return block ? state_in_block(*block, geometry::offset_in_block(voxel)) : State::kUnknown;
-}
-
-State CompressedField::Reader::state(const Index3& voxel) {
-  const Index3 index = geometry::block_of(voxel);
-  if (index != at_) {
-    block_ = field_->find(index);
-    at_ = index;
-  }
-  if (!block_) return State::kUnknown;
-  return field_->state_in_block(*static_cast<const Block*>(block_), geometry::offset_in_block(voxel));
 }
 
 CompressedField::CellStates CompressedField::cell_states(const Block& block, int cell) const {
@@ -154,7 +165,7 @@ void CompressedField::search_block(const Block& block, const Vec3& p, Target tar
   }
 }
 
-bool CompressedField::has_point_within(const Block& block, int cell, const Vec3& p, double squared) const {
+bool CompressedField::has_own_point_within(const Block& block, int cell, const Vec3& p, double squared) const {
   const std::size_t near = block.first_near + block.codes[static_cast<std::size_t>(cell)] - kFirstNear;
   std::uint32_t leaf = first_leaf_[near];
   const Index3 first = geometry::voxel_at(block.index, offset_of(cell, 0));
@@ -163,13 +174,14 @@ bool CompressedField::has_point_within(const Block& block, int cell, const Vec3&
     for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0; occupied &= occupied - 1) {
       const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
       const Index3 inside{voxel & 3, (voxel >> 2) & 3, voxel >> 4};
-      if ((from - surface_point(inside, leaves_[leaf++])).squaredNorm() < squared) return true;
+      const Leaf* own = own_leaf(leaf++);
+      if (own && (from - surface_point(inside, *own)).squaredNorm() < squared) return true;
     }
   }
   return false;
 }
 
-bool CompressedField::has_surface_within(const Vec3& p, double distance) const {
+bool CompressedField::has_own_surface_within(const Vec3& p, double distance) const {
   constexpr int kCellShift = 2;
   const Index3 low = floor_index(p - Vec3::Constant(distance)), high = floor_index(p + Vec3::Constant(distance));
   Index3 at{1 << 30, 0, 0};
@@ -183,7 +195,7 @@ bool CompressedField::has_surface_within(const Vec3& p, double distance) const {
         at = index;
         const int i = (cell.x & 3) | (cell.y & 3) << 2 | (cell.z & 3) << 4;
         if (!block || ((block->occupied_cells >> i) & 1u) == 0) continue;
-        if (has_point_within(*block, i, p, distance * distance)) return true;
+        if (has_own_point_within(*block, i, p, distance * distance)) return true;
       }
     }
   }
@@ -232,8 +244,8 @@ std::size_t CompressedField::memory_bytes() const {
   return sizeof(*this) + blocks_.capacity() * sizeof(Block) + states_.capacity() * sizeof(CellStates) +
          near_.capacity() * sizeof(CellStates) + first_leaf_.capacity() * sizeof(std::uint32_t) +
          values_.capacity() * sizeof(CellValues) + (leaves_.capacity() + own_leaves_.capacity()) * sizeof(Leaf) +
-         own_bits_.capacity() * sizeof(std::uint64_t) + own_times_.capacity() +
-         table_.capacity() * sizeof(std::int32_t);
+         (own_bits_.capacity() + own_free_.capacity()) * sizeof(std::uint64_t) + own_times_.capacity() +
+         own_before_.capacity() * sizeof(std::uint32_t) + table_.capacity() * sizeof(std::int32_t);
 }
 
 }  // namespace voxnav::submap

@@ -79,6 +79,7 @@ void CompressedField::shrink() {
   own_bits_.shrink_to_fit();
   own_leaves_.shrink_to_fit();
   own_times_.shrink_to_fit();
+  own_free_.shrink_to_fit();
 }
 
 int CompressedField::count_occupied(const CellStates& states) {
@@ -91,7 +92,18 @@ CompressedField::Block CompressedField::new_block(const Index3& index) const {
   block.index = index;
   block.first_states = static_cast<std::uint32_t>(states_.size());
   block.first_near = static_cast<std::uint32_t>(near_.size());
+  block.first_own_free = static_cast<std::uint32_t>(own_free_.size());
   return block;
+}
+
+/// Bit per voxel of a cell, out of those of its block.
+std::uint64_t CompressedField::bits_of_cell(const occupancy::VoxelBits& bits, int cell) {
+  std::uint64_t out = 0;
+  for (int row = 0; row < 16; ++row) {  // four voxels along x
+    const int offset = offset_of(cell, 4 * row);
+    out |= ((bits[static_cast<std::size_t>(offset >> 6)] >> (offset & 63)) & 15u) << (4 * row);
+  }
+  return out;
 }
 
 /// A byte holds four voxels along x, in a block and in a cell, so that states move byte by byte.
@@ -110,6 +122,7 @@ void CompressedField::add_block(const occupancy::ContentBlock& content) {
     if (count_occupied(states) != static_cast<int>(leaves.size()))
       throw std::invalid_argument("map content has leaves that do not match its states");
     add_cell(cell, states, nullptr, &block);
+    add_own_free(cell, bits_of_cell(content.own_free, cell), states, &block);
     for (const LeafPair& pair : leaves) add_leaf(pair.leaf, pair.own, pair.own_time);
   }
   blocks_.push_back(block);
@@ -164,6 +177,13 @@ void CompressedField::link() {
     first_leaf_.push_back(leaf);
     leaf += static_cast<std::uint32_t>(count_occupied(near));
   }
+  own_before_.clear();
+  own_before_.reserve(own_bits_.size());
+  std::uint32_t own = 0;
+  for (const std::uint64_t word : own_bits_) {
+    own_before_.push_back(own);
+    own += static_cast<std::uint32_t>(__builtin_popcountll(word));
+  }
   std::size_t size = 16;
   while (size < 2 * blocks_.size()) size *= 2;
   table_.assign(size, -1);
@@ -177,6 +197,7 @@ void CompressedField::link() {
       const CellStates& near = near_[block.first_near + block.codes[cell] - kFirstNear];
       if (count_occupied(near) > 0) block.occupied_cells |= std::uint64_t{1} << cell;
     }
+    block.has_own = has_values_ || (block.own_cells | block.partly_own_cells) != 0 || has_own_leaf(block);
     std::size_t slot = geometry::Index3Hash{}(block.index) & (size - 1);
     while (table_[slot] >= 0) slot = (slot + 1) & (size - 1);
     table_[slot] = static_cast<std::int32_t>(i);

@@ -30,6 +30,7 @@ void CompressedField::write(base::ByteWriter* out) const {
   out->put_raw(own_leaves_.data(), own_leaves_.size() * sizeof(Leaf));
   out->put_raw(own_times_.data(), own_times_.size());
   out->put_raw(own_bits_.data(), own_bits_.size() * sizeof(std::uint64_t));
+  write_own_free(out);
 }
 
 /// Gives each block its first records; they are used in order, each once.
@@ -54,7 +55,7 @@ void CompressedField::place_records(const base::ByteReader& in) {
   if (next_states != states_.size() || next_near != near_.size()) in.fail("has cells that do not match its blocks");
 }
 
-CompressedField CompressedField::read(base::ByteReader* in, bool has_own) {
+CompressedField CompressedField::read(base::ByteReader* in, OwnParts own) {
   CompressedField field;
   constexpr double kWidestBand = 6.0;  // as SubmapConfig allows: the windows that distances are derived in hold no more
   field.band_ = in->get<double>();
@@ -78,14 +79,19 @@ CompressedField CompressedField::read(base::ByteReader* in, bool has_own) {
   }
   std::vector<Leaf> leaves(in->get_count(sizeof(Leaf)));
   in->get_raw(leaves.data(), leaves.size() * sizeof(Leaf));
-  if (has_own || field.has_values_) {
+  if (own != OwnParts::kNone || field.has_values_) {
     field.leaves_ = std::move(leaves);
   } else {
     for (const Leaf& leaf : leaves) field.add_leaf(leaf, leaf, kUnknownTime);
   }
-  if (has_own) field.read_own(in);
+  if (own != OwnParts::kNone) field.read_own(in);
   field.place_records(*in);
   field.check(*in);
+  if (own == OwnParts::kHitsAndFree) {
+    field.read_own_free(in);
+  } else {
+    field.take_all_free();
+  }
   field.link();
   return field;
 }

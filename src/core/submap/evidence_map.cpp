@@ -21,6 +21,12 @@ bool has(const Columns& columns, const EvidenceLeaf& leaf) {
   return ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1) != 0;
 }
 
+/// Whether the voxel below that of a leaf is set, where both are in the block.
+bool has_below(const Columns& columns, const EvidenceLeaf& leaf) {
+  const int z = leaf.offset >> 8;
+  return z > 0 && ((columns[leaf.offset & 255u] >> (z - 1)) & 1) != 0;
+}
+
 void set(const EvidenceLeaf& leaf, Columns* columns) {
   (*columns)[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
 }
@@ -56,12 +62,39 @@ void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
   if (block.leaves.empty() && block.gone.empty() && block.states.all_unknown()) blocks_.erase(index);
 }
 
+/// A doubt lasts until a submap has a surface there: a sparse sensor sees a voxel and the one below it at other times.
+void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
+                        EvidenceBlock* block) const {
+  for (EvidenceLeaf& leaf : block->leaves) {
+    const bool is_free = free.is_free(leaf);
+    if (!is_free && !leaf.is_doubted) continue;
+    const Vec3 p_W = point_of(index, leaf);
+    if (submap.has_surface_within(p_W, rules_.clearing_distance_m)) {
+      leaf.is_doubted = false;
+    } else if (is_free) {
+      leaf.is_doubted = leaf.is_doubted || is_near_enough(submap, p_W, leaf);
+    }
+  }
+}
+
 /// Newer points replace the older ones of their voxel; newer free space removes others.
 void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, const Columns& seen,
                              EvidenceBlock* block) const {
+  const PlacedSubmap::FreeInBlock free(submap, index);
+  doubt(index, submap, free, block);
+  // Of blocks below only the submap's own word counts: what is merged there may be of any age.
+  Columns open = block->states.free;
+  for (const EvidenceLeaf& leaf : block->leaves) {
+    if (leaf.is_doubted) set(leaf, &open);
+  }
   const auto is_over = [&](const EvidenceLeaf& leaf) {
     if (has(seen, leaf)) return true;
-    if (!clears(submap, point_of(index, leaf), leaf)) return false;
+    if (!leaf.is_doubted) return false;
+    // Below it is free space, or the ground that something stood on.
+    if (!has_below(open, leaf) && !free.is_free_below(leaf)) {
+      const Vec3 below_W = point_of(index, leaf) - Vec3(0.0, 0.0, rules_.resolution_m);
+      if (!submap.has_surface_within(below_W, rules_.resolution_m)) return false;
+    }
     remember_gone(leaf, submap.id(), block);
     return true;
   };
@@ -70,8 +103,8 @@ void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, co
   block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
 }
 
-bool EvidenceMap::clears(const PlacedSubmap& submap, const Vec3& p_W, const EvidenceLeaf& leaf) const {
-  if (!submap.clears(p_W, rules_.clearing_distance_m)) return false;
+/// Beams miss thin things from afar.
+bool EvidenceMap::is_near_enough(const PlacedSubmap& submap, const Vec3& p_W, const EvidenceLeaf& leaf) const {
   if (!leaf.is_thin) return true;
   const auto range_m = submap.range_to(p_W);
   return !range_m || *range_m <= std::max(rules_.thin_range_m, leaf.range_m());

@@ -17,11 +17,6 @@ using geometry::Vec3;
 
 constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
 
-Vec3 point_in(const EvidenceLeaf& leaf) {
-  return {(leaf.offset & 15) + 0.5 + leaf.mean[0] / 254.0, ((leaf.offset >> 4) & 15) + 0.5 + leaf.mean[1] / 254.0,
-          (leaf.offset >> 8) + 0.5 + leaf.mean[2] / 254.0};
-}
-
 #if !defined(__SSE2__)
 /// Bits low to high of a word, none when low > high. 0 <= low, high <= 30.
 std::uint32_t bits_from_to(int low, int high) { return low > high ? 0u : (2u << high) - (1u << low); }
@@ -32,7 +27,7 @@ std::uint32_t bits_from_to(int low, int high) { return low > high ? 0u : (2u << 
 void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
   const double padded = reach + kRounding;
   for (const EvidenceLeaf& leaf : block.leaves) {
-    const Vec3 p = point_in(leaf) + Vec3::Constant(kHalo - 0.5);  // centres of voxels at integers
+    const Vec3 p = local_point(leaf) + Vec3::Constant(kHalo - 0.5);  // centres of voxels at integers
     add_ball(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
              static_cast<float>(padded * padded));
   }
@@ -113,7 +108,7 @@ void add_balls(const EvidenceBlock& block, const Index3& step, double reach, Col
   const auto first = [](double low) { return std::max(0, static_cast<int>(std::ceil(std::max(low, 0.0)))); };
   const auto last = [](double high) { return std::min(kBlockSide - 1, static_cast<int>(std::floor(high))); };
   for (const EvidenceLeaf& leaf : block.leaves) {
-    const Vec3 p = point_in(leaf) - Vec3::Constant(0.5) - corner;
+    const Vec3 p = local_point(leaf) - Vec3::Constant(0.5) - corner;
     for (int y = first(p.y() - reach); y <= last(p.y() + reach); ++y) {
       const double rest = squared - (y - p.y()) * (y - p.y());
       for (int x = first(p.x() - reach); x <= last(p.x() + reach); ++x) {

@@ -11,7 +11,6 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
 using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Pose;
@@ -35,16 +34,17 @@ bool turns_about_vertical(const Pose& T) {
 }  // namespace
 
 PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m,
-                           std::vector<Vec3> viewpoints_W)
+                           Knowledge knowledge, std::vector<Vec3> viewpoints_W)
     : field_(submap.field()),
       submap_resolution_m_(submap.resolution_m()),
       id_(id),
+      knowledge_(knowledge),
       resolution_m_(resolution_m),
       T_W_G_(T_W_S * submap.T_S_G()),
       T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
       viewpoints_W_(std::move(viewpoints_W)),
       is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
-  states_.resize(field_->num_blocks());
+  free_.resize(field_->num_blocks());
   sort_leaves(submap.thin_leaves());
 }
 
@@ -54,12 +54,12 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
     EvidenceLeaf leaf;
   };
   std::vector<Placed> placed;
-  placed.reserve(field_->num_leaves());
+  placed.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
   const Eigen::Matrix3d R = T_W_G_.linear() * (submap_resolution_m_ / resolution_m_);
   const Vec3 t = T_W_G_.translation() / resolution_m_;
   Index3 last{1 << 30, 0, 0};
   Group* group = nullptr;
-  field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
+  const auto place = [&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i) {
     const Vec3 p = R * surface_point(voxel, leaf) + t;
     const Index3 at = floor_index(p);
     const Index3 block = geometry::block_of(at);
@@ -69,10 +69,16 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
     const Vec3 mean = p - geometry::center_of(at, 1.0);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
     const std::array<std::int8_t, 3> bytes{mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())};
-    const bool thin = is_thin[placed.size()];
+    const bool thin = is_thin[i];
     const std::uint8_t range = thin ? range_byte(range_to(p * resolution_m_)) : std::uint8_t{255};
-    placed.push_back({group, {offset, bytes, leaf.hits, range, thin, id_, false}});
-  });
+    placed.push_back({group, {offset, bytes, leaf.hits, range, thin, id_, false, false}});
+  };
+  if (knowledge_ == Knowledge::kOwn) {
+    field_->for_each_own_leaf(place);
+  } else {
+    std::size_t i = 0;
+    field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) { place(voxel, leaf, i++); });
+  }
   std::uint32_t next = 0;
   for (auto& item : groups_) {
     item.second.first = next;
@@ -91,12 +97,21 @@ PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
 }
 
 /// Unpacked when first asked for: most of the air is known from other submaps already.
-const ColumnBlock* PlacedSubmap::states_of(const Index3& block_G) const {
+const Columns* PlacedSubmap::free_of(const Index3& block_G) const {
   const int position = field_->position_of(block_G);
   if (position < 0) return nullptr;
-  std::unique_ptr<ColumnBlock>& states = states_[static_cast<std::size_t>(position)];
-  if (!states) states = std::make_unique<ColumnBlock>(field_->columns(static_cast<std::size_t>(position)));
-  return states.get();
+  const auto i = static_cast<std::size_t>(position);
+  if (!free_[i]) {
+    const bool is_own = knowledge_ == Knowledge::kOwn;
+    free_[i] = std::make_unique<Columns>(is_own ? field_->own_free(i) : field_->columns(i).free);
+  }
+  return free_[i].get();
+}
+
+bool PlacedSubmap::is_free_voxel(const Index3& voxel_G) const {
+  const Columns* free = free_of(geometry::block_of(voxel_G));
+  const int offset = geometry::offset_in_block(voxel_G);
+  return free && (((*free)[static_cast<std::size_t>(offset & 255)] >> (offset >> 8)) & 1) != 0;
 }
 
 void PlacedSubmap::add_free(const Index3& block, Columns* free) const {
@@ -111,8 +126,8 @@ void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
   const Index3 lowest = floor_index(first);
   const int shift = lowest.z & (kBlockSide - 1);
   Index3 at{1 << 30, 0, lowest.z >> geometry::kBlockShift};
-  const ColumnBlock* low = nullptr;
-  const ColumnBlock* high = nullptr;
+  const Columns* low = nullptr;
+  const Columns* high = nullptr;
   for (int y = 0; y < kBlockSide; ++y) {
     Vec3 p = first + y * step_y;
     for (int x = 0; x < kBlockSide; ++x, p += step_x) {
@@ -120,12 +135,12 @@ void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
       const Index3 block_G{voxel.x >> geometry::kBlockShift, voxel.y >> geometry::kBlockShift, at.z};
       if (block_G != at) {
         at = block_G;
-        low = states_of(at);
-        high = shift > 0 ? states_of(at + Index3{0, 0, 1}) : nullptr;
+        low = free_of(at);
+        high = shift > 0 ? free_of(at + Index3{0, 0, 1}) : nullptr;
       }
       const auto column = static_cast<std::size_t>((voxel.x & 15) | ((voxel.y & 15) << 4));
-      const unsigned bits = (low ? low->free[column] >> shift : 0u) |
-                            (high ? static_cast<unsigned>(high->free[column]) << (kBlockSide - shift) : 0u);
+      const unsigned bits = (low ? (*low)[column] >> shift : 0u) |
+                            (high ? static_cast<unsigned>((*high)[column]) << (kBlockSide - shift) : 0u);
       (*free)[static_cast<std::size_t>(x + kBlockSide * y)] |= static_cast<std::uint16_t>(bits);
     }
   }
@@ -135,22 +150,38 @@ void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
   const double v_G = submap_resolution_m_;
   const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
   const Eigen::Matrix3d step = T_G_W_.linear() * (resolution_m_ / v_G);
-  CompressedField::Reader reader(*field_);
   for (int column = 0; column < kBlockSide * kBlockSide; ++column) {
     Vec3 p = first + step * Vec3(column & 15, column >> 4, 0);
     for (int z = 0; z < kBlockSide; ++z, p += step.col(2)) {
-      if (reader.state(floor_index(p)) != State::kFree) continue;
+      if (!is_free_voxel(floor_index(p))) continue;
       (*free)[static_cast<std::size_t>(column)] |= static_cast<std::uint16_t>(1u << z);
     }
   }
 }
 
-bool PlacedSubmap::clears(const Vec3& p_W, double distance_m) const {
-  const Vec3 p = T_G_W_ * p_W / submap_resolution_m_;
-  const Index3 voxel = floor_index(p);
-  const ColumnBlock* block = states_of(geometry::block_of(voxel));
-  if (!block || block->get(geometry::offset_in_block(voxel)) != State::kFree) return false;
-  return !field_->has_surface_within(p, distance_m / submap_resolution_m_);
+PlacedSubmap::FreeInBlock::FreeInBlock(const PlacedSubmap& submap, const Index3& block)
+    : submap_(&submap), R_G_W_(submap.T_G_W_.linear() * (submap.resolution_m_ / submap.submap_resolution_m_)) {
+  const Vec3 first(block.x, block.y, block.z);
+  origin_G_ = R_G_W_ * (first * kBlockSide) + submap.T_G_W_.translation() / submap.submap_resolution_m_;
+  // The lowest corner of the block and of the voxels below it.
+  const Eigen::Matrix3d lowest = (R_G_W_ * kBlockSide).cwiseMin(0.0);
+  first_G_ = geometry::block_of(floor_index(origin_G_ + lowest.rowwise().sum() - R_G_W_.col(2).cwiseMax(0.0)));
+}
+
+bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
+  const Index3 voxel = floor_index(origin_G_ + R_G_W_ * p);
+  const Index3 step = geometry::block_of(voxel) - first_G_;
+  const auto at = static_cast<std::size_t>(step.x + kSide * (step.y + kSide * step.z));
+  if (std::max({step.x, step.y, step.z}) >= kSide || std::min({step.x, step.y, step.z}) < 0)
+    return submap_->is_free_voxel(voxel);  // voxels of W larger than those of the submap
+  if (((looked_up_ >> at) & 1) == 0) free_[at] = submap_->free_of(first_G_ + step);
+  looked_up_ |= std::uint64_t{1} << at;
+  const int column = (voxel.x & 15) | (voxel.y & 15) << 4;
+  return free_[at] && (((*free_[at])[static_cast<std::size_t>(column)] >> (voxel.z & 15)) & 1) != 0;
+}
+
+bool PlacedSubmap::has_surface_within(const Vec3& p_W, double distance_m) const {
+  return field_->has_own_surface_within(T_G_W_ * p_W / submap_resolution_m_, distance_m / submap_resolution_m_);
 }
 
 std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
@@ -160,7 +191,7 @@ std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
   return std::sqrt(squared);
 }
 
-std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m) {
+std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m, Knowledge knowledge) {
   const Pose T_W_G = T_W_S * submap.T_S_G();
   const double side_G = kBlockSide * submap.resolution_m();
   const double side_W = kBlockSide * resolution_m;
@@ -171,6 +202,7 @@ std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double re
   const Vec3 low_corner = unit.min - T_W_G.translation();
   const Vec3 high_corner = unit.max - T_W_G.translation();
   for (std::size_t i = 0; i < field->num_blocks(); ++i) {
+    if (knowledge == Knowledge::kOwn && !field->has_own(i)) continue;
     const Index3& block = field->block_index(i);
     const Vec3 origin = T_W_G * (Vec3(block.x, block.y, block.z) * side_G);
     const Index3 low = floor_index((origin + low_corner) / side_W);

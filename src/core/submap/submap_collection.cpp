@@ -127,8 +127,15 @@ std::vector<const SubmapEntry*> SubmapCollection::entries() const {
   return out;
 }
 
-bool SubmapCollection::has_moved(const Record& r) const {
-  return largest_move(r.entry.submap->known_bounds(), r.entry.T_W_S, r.merged_T_W_S) > config_.pose_tolerance_m;
+/// Submaps of a flight are numbered without gaps.
+Knowledge SubmapCollection::knowledge_of(const SubmapEntry& entry) const {
+  const SubmapEntry* before = entry.id > 0 ? find(entry.id - 1) : nullptr;
+  return before && before->flight == entry.flight ? Knowledge::kOwn : Knowledge::kAll;
+}
+
+bool SubmapCollection::has_changed(const Record& r) const {
+  return r.merged != knowledge_of(r.entry) ||
+         largest_move(r.entry.submap->known_bounds(), r.entry.T_W_S, r.merged_T_W_S) > config_.pose_tolerance_m;
 }
 
 /// Takes a submap out of the merge; its blocks have to be rebuilt.
@@ -147,7 +154,8 @@ void SubmapCollection::forget(Record* r, std::vector<Index3>* stale) {
 void SubmapCollection::append(const Key& key, Record* r) {
   r->merged_T_W_S = r->entry.T_W_S;
   r->is_merged = true;
-  r->blocks = footprint(*r->entry.submap, r->entry.T_W_S, config_.resolution_m);
+  r->merged = knowledge_of(r->entry);
+  r->blocks = footprint(*r->entry.submap, r->entry.T_W_S, config_.resolution_m, r->merged);
   for (const Index3& block : r->blocks) {
     std::vector<Key>& keys = by_block_[block];
     keys.insert(std::lower_bound(keys.begin(), keys.end(), key), key);
@@ -155,15 +163,27 @@ void SubmapCollection::append(const Key& key, Record* r) {
 }
 
 /// Merges by submap, oldest first, so that each is laid into the grid once however many blocks it has to give.
-void SubmapCollection::integrate(const std::map<Key, std::vector<Index3>>& work) {
-  for (const auto& [key, blocks] : work) {
+void SubmapCollection::integrate(std::map<Key, std::vector<Index3>> work) {
+  for (auto& [key, blocks] : work) {
     Record& r = records_.at(key);
     r.last_used = ++num_uses_;
-    const PlacedSubmap placed(*r.entry.submap, r.entry.id, r.merged_T_W_S, config_.resolution_m,
-                              viewpoints(r.entry.T_S_B, r.merged_T_W_S));
-    for (const Index3& block : blocks) evidence_.integrate(block, placed);
+    if (r.merged == Knowledge::kAll) {
+      const auto is_oldest = [&, k = key](const Index3& block) { return by_block_.at(block).front() == k; };
+      std::vector<Index3> oldest;
+      std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(oldest), is_oldest);
+      integrate(&r, Knowledge::kAll, oldest);
+      blocks.erase(std::remove_if(blocks.begin(), blocks.end(), is_oldest), blocks.end());
+    }
+    integrate(&r, Knowledge::kOwn, blocks);
     page_out();
   }
+}
+
+void SubmapCollection::integrate(Record* r, Knowledge knowledge, const std::vector<Index3>& blocks) {
+  if (blocks.empty()) return;
+  const PlacedSubmap placed(*r->entry.submap, r->entry.id, r->merged_T_W_S, config_.resolution_m, knowledge,
+                            viewpoints(r->entry.T_S_B, r->merged_T_W_S));
+  for (const Index3& block : blocks) evidence_.integrate(block, placed);
 }
 
 void SubmapCollection::page_out() {
@@ -199,7 +219,7 @@ std::vector<Index3> SubmapCollection::update() {
   std::vector<Index3> stale = std::move(stale_);
   stale_.clear();
   for (auto& item : records_) {
-    if (item.second.is_merged && has_moved(item.second)) forget(&item.second, &stale);
+    if (item.second.is_merged && has_changed(item.second)) forget(&item.second, &stale);
   }
   std::map<Key, std::vector<Index3>> fresh;  // blocks to which submaps newer than all that is there are added
   for (auto& [key, r] : records_) {
@@ -223,7 +243,7 @@ std::vector<Index3> SubmapCollection::update() {
       changed.push_back(block);
     }
   }
-  integrate(work);
+  integrate(std::move(work));
   sort_unique(&changed);
   return changed;
 }

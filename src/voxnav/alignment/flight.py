@@ -49,8 +49,8 @@ def _scanner(scenario, world, seed):
     return lambda T_W_L, index: lidar.scan(world, T_W_L, T_W_L, index).organised
 
 
-def fly(scenario, seed, world=None):
-    """Simulate a flight: filter, local map, submaps. Deterministic."""
+def fly(scenario, seed, world=None, before_scan=None):
+    """Simulate a flight: filter, local map, submaps. Deterministic. before_scan(i, n): what happens in the world."""
     world = world or world_of(scenario, seed)
     path, scan = path_of(scenario, world), _scanner(scenario, world, seed)
     T_W_B = np.array([aligned_pose(row[:3], row[3]) for row in path])
@@ -60,6 +60,8 @@ def fly(scenario, seed, world=None):
     local_map, scheduler = voxnav.LocalMap(voxnav.LocalMapConfig()), voxnav.SubmapScheduler()
     stamps, submaps = np.arange(len(path)) / scenario.scan_hz, []
     for i, stamp in enumerate(stamps):
+        if before_scan:
+            before_scan(i, len(stamps))
         points = cloud_filter.apply(scan(T_W_B[i], i)).points
         local_map.insert(np.ascontiguousarray(points[:, :3]), T_O_B[i])
         submaps += _filled(scheduler.add_scan(local_map, float(stamp), T_O_B[i]))

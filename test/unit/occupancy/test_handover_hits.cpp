@@ -6,6 +6,7 @@
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test
+using containers::State;
 using geometry::Vec3;
 using occupancy::LocalMap;
 using occupancy::MapContent;
@@ -42,9 +43,27 @@ std::size_t num_own(const MapContent& content) {
   return count;
 }
 
+State state_at(const MapContent& content, const Vec3& p) {
+  const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
+  for (const auto& block : content.blocks) {
+    if (block.index == geometry::block_of(voxel)) return block.states.get(geometry::offset_in_block(voxel));
+  }
+  return State::kUnknown;
+}
+
+bool is_own_free(const MapContent& content, const Vec3& p) {
+  const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
+  const int offset = geometry::offset_in_block(voxel);
+  for (const auto& block : content.blocks) {
+    if (block.index == geometry::block_of(voxel)) return ((block.own_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
+  }
+  return false;
+}
+
 /// Content with own hits left out: what obstacles, distances and evidence are made from.
 std::string remembered(MapContent content) {
   for (auto& block : content.blocks) {
+    block.own_free = {};
     for (OccupiedLeaf& leaf : block.occupied) {
       leaf.own_mean = {};
       leaf.own_hits = 0;
@@ -135,7 +154,7 @@ TEST(HandoverHits, ContentOfBeforeCountsAllHitsAsOwn) {
   old.put<std::uint64_t>(1);
   old.put(geometry::Index3{1, 2, 3});
   containers::StateBlock states;
-  states.set(7, containers::State::kOccupied);
+  states.set(7, State::kOccupied);
   old.put(states);
   old.put<std::uint64_t>(1);
   old.put<std::uint16_t>(7);
@@ -145,4 +164,56 @@ TEST(HandoverHits, ContentOfBeforeCountsAllHitsAsOwn) {
   const OccupiedLeaf& leaf = content.blocks.at(0).occupied.at(0);
   EXPECT_EQ(leaf.own_hits, 9);
   EXPECT_EQ(leaf.own_mean, leaf.mean);
+}
+
+TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
+  const Vec3 first(5.05, 0.2, 0.2);
+  const Vec3 other(0.2, 6.05, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
+  const MapContent before = map.hand_over();
+  EXPECT_TRUE(is_own_free(before, {3.0, 0.2, 0.2}));
+  EXPECT_TRUE(is_own_free(before, {0.2, 3.0, 0.2}));
+  insert_from(&map, kOrigin, {first});
+  const MapContent after = map.hand_over();
+  EXPECT_TRUE(is_own_free(after, {3.0, 0.2, 0.2}));
+  EXPECT_FALSE(is_own_free(after, {0.2, 3.0, 0.2}));
+  EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), State::kFree);  // remembered nevertheless
+  EXPECT_FALSE(is_own_free(map.content(), {3.0, 0.2, 0.2}));
+}
+
+TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
+  const Vec3 place(3.0, 0.2, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 30; ++i) insert_from(&map, kOrigin, {{5.05, 0.2, 0.2}});
+  map.hand_over();
+  insert_from(&map, kOrigin, {place});
+  const MapContent content = map.hand_over();
+  ASSERT_EQ(state_at(content, place), State::kFree);
+  EXPECT_FALSE(is_own_free(content, place));
+  EXPECT_TRUE(is_own_free(content, {2.0, 0.2, 0.2}));
+}
+
+TEST(HandoverFree, BelongsToWhatWasMarkedAndToWhatLeftTheWindow) {
+  const Vec3 marked(2.0, 2.0, 0.2);
+  const Vec3 seen(5.05, 0.2, 0.2);
+  LocalMap map(small_config());
+  for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
+  map.mark_free(marked, 0.5);
+  map.hand_over();
+  map.mark_free(marked, 0.5);  // free already, yet looked at again
+  for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
+  EXPECT_TRUE(is_own_free(map.content(), marked));
+  insert_from(&map, Vec3(60.2, 0.2, 0.2), {});
+  const MapContent evicted = map.take_evicted();
+  EXPECT_TRUE(is_own_free(evicted, marked));
+  EXPECT_TRUE(is_own_free(evicted, {3.0, 0.2, 0.2}));
+}
+
+TEST(HandoverFree, IsKeptWhenTheMapIsSaved) {
+  LocalMap map(small_config());
+  for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {{5.05, 0.2, 0.2}, {0.2, 6.05, 0.2}});
+  map.hand_over();
+  insert_from(&map, kOrigin, {{5.05, 0.2, 0.2}});
+  EXPECT_EQ(LocalMap::from_bytes(map.to_bytes()).content().to_bytes(), map.content().to_bytes());
 }

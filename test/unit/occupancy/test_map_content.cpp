@@ -12,6 +12,17 @@ using occupancy::MapContent;
 
 namespace {
 
+void set_own_free(int offset, ContentBlock* block) {
+  block->own_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+}
+
+bool is_own_free(const MapContent& content, const geometry::Index3& index, int offset) {
+  for (const ContentBlock& block : content.blocks) {
+    if (block.index == index) return ((block.own_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
+  }
+  return false;
+}
+
 MapContent random_content(unsigned seed) {
   std::mt19937 rng(seed);
   MapContent content;
@@ -23,6 +34,7 @@ MapContent random_content(unsigned seed) {
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
       const State state = static_cast<State>(rng() % 3);
       block.states.set(offset, state);
+      if (state == State::kFree && rng() % 3 == 0) set_own_free(offset, &block);
       if (state != State::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
       occupancy::OccupiedLeaf leaf{static_cast<std::uint16_t>(offset),
@@ -70,9 +82,20 @@ TEST(MapContent, MergePrefersWhatTheNewerKnows) {
       const State newest = state_of(newer, {x, 1, 0}, offset);
       const State expected = newest == State::kUnknown ? state_of(older, {x, 1, 0}, offset) : newest;
       ASSERT_EQ(state_of(merged, {x, 1, 0}, offset), expected);
+      const MapContent& source = newest == State::kUnknown ? older : newer;
+      ASSERT_EQ(is_own_free(merged, {x, 1, 0}, offset), is_own_free(source, {x, 1, 0}, offset));
     }
   }
   EXPECT_EQ(MapContent::from_bytes(merged.to_bytes()).num_occupied(), merged.num_occupied());
+}
+
+TEST(MapContent, OwnFreeSpaceThatIsNotFreeIsRefused) {
+  MapContent content = random_content(1);
+  ContentBlock& block = content.blocks.front();
+  int offset = 0;
+  while (block.states.get(offset) == State::kFree) ++offset;
+  set_own_free(offset, &block);
+  EXPECT_THROW(MapContent::from_bytes(content.to_bytes()), std::invalid_argument);
 }
 
 TEST(MapContent, SurfacePointStaysInsideItsVoxel) {

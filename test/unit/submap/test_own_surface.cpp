@@ -31,6 +31,19 @@ occupancy::MapContent two_walls(double own_offset) {
   return builder.build();
 }
 
+constexpr std::size_t kPointList = 8;  ///< bytes of an empty one, at the end
+
+/// Without `size` bytes that end `behind` bytes before the checksum.
+std::string without(std::string bytes, std::size_t behind, std::size_t size) {
+  return bytes.erase(bytes.size() - 4 - behind - size, size);
+}
+
+std::string sealed(const std::string& bytes) {
+  base::ByteWriter out;
+  out.put_raw(bytes.data(), bytes.size() - 4);
+  return out.finish();
+}
+
 std::optional<double> distance_at(const geometry::DistanceField& field, const Vec3& p) {
   double out = 0.0;
   if (!field.sample(p, &out, nullptr)) return std::nullopt;
@@ -72,20 +85,19 @@ TEST(OwnSurface, SubmapsOfBeforeCountEverythingAsOwn) {
   const auto now = Submap::from_content(test::random_content(4, 24, 0.02, 0.3, kVoxel), Pose::Identity(), {});
   std::string bytes = now->to_bytes();
   const std::size_t leaves = now->occupied_points().size();
-  const std::size_t own = 8 + 5 * leaves + 8 * ((leaves + 63) / 64);  // what version 3 added, before the point list
-  bytes.erase(bytes.size() - 4 - 8 - own, own);
+  // What version 4 added, before the point list: no cell is own in part. And version 3 before that.
+  bytes = without(bytes, kPointList, 16 * now->field()->num_blocks() + 8);
+  bytes[4] = 3;
+  EXPECT_EQ(Submap::from_bytes(sealed(bytes))->to_bytes(), now->to_bytes());
+  bytes = without(bytes, kPointList, 8 + 5 * leaves + 8 * ((leaves + 63) / 64));
   bytes[4] = 2;
-  base::ByteWriter sealed;
-  sealed.put_raw(bytes.data(), bytes.size() - 4);
-  const auto old = Submap::from_bytes(sealed.finish());
-  EXPECT_EQ(old->to_bytes(), now->to_bytes());
+  EXPECT_EQ(Submap::from_bytes(sealed(bytes))->to_bytes(), now->to_bytes());
 }
 
 TEST(OwnSurface, OwnHitsThatMatchNoLeafAreRefused) {
   const auto submap = Submap::from_content(two_walls(0.0), Pose::Identity(), {});
   std::string bytes = submap->to_bytes();
-  bytes[bytes.size() - 4 - 8 - 1] = static_cast<char>(0xFF);  // the last word of the bits
-  base::ByteWriter sealed;
-  sealed.put_raw(bytes.data(), bytes.size() - 4);
-  EXPECT_THROW(Submap::from_bytes(sealed.finish()), std::invalid_argument);
+  const std::size_t behind = kPointList + 16 * submap->field()->num_blocks() + 8;
+  bytes[bytes.size() - 4 - behind - 1] = static_cast<char>(0xFF);  // the last word of the bits
+  EXPECT_THROW(Submap::from_bytes(sealed(bytes)), std::invalid_argument);
 }
