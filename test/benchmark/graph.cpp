@@ -123,7 +123,8 @@ int main(int argc, char** argv) {
   double drift_m = 1.8;
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--drift_m=", 10) == 0) drift_m = std::stod(argv[i] + 10);
-    if (std::strncmp(argv[i], "--cache_mb=", 11) == 0) submap::DistanceCache::set_limit_bytes(std::stoul(argv[i] + 11) << 20);
+    if (std::strncmp(argv[i], "--cache_mb=", 11) == 0)
+      submap::DistanceCache::set_limit_bytes(std::stoul(argv[i] + 11) << 20);
     if (std::strncmp(argv[i], "--submaps=", 10) == 0) sizes = {std::stoi(argv[i] + 10)};
   }
   std::printf("| submaps | pairs | CPU s per new submap, mean | most | last | RMSE m, drift -> solved |\n");

@@ -23,7 +23,8 @@ OwnSurface::OwnSurface(const Submap& submap)
 bool OwnSurface::sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const {
   double distance = 0.0;
   geometry::Vec3 slope = geometry::Vec3::Zero();
-  if (!own_->sample_in(*content_, p_S, &distance, gradient ? &slope : nullptr) || !(std::abs(distance) < reach_m_)) return false;
+  if (!own_->sample_in(*content_, p_S, &distance, gradient ? &slope : nullptr) || !(std::abs(distance) < reach_m_))
+    return false;
   *distance_m = distance;
   if (gradient) *gradient = slope;
   return true;
