@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // CPU time of the pose graph after each new submap: a lap through an analytic forest, flown again and again, with an
 // odometry that drifts. Prints a row of a Markdown table per flight.
-//   benchmark_graph [--submaps=32] [--drift_m=1.8]
+//   benchmark_graph [--submaps=32] [--drift_m=1.8] [--cache_mb=256]
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +11,7 @@
 #include <string>
 
 #include "forest_flight.hpp"
+#include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 #include "voxnav/submap/own_surface.hpp"
 
@@ -121,10 +122,11 @@ void measure(int num_submaps, double drift_m) {
 int main(int argc, char** argv) {
   std::vector<int> sizes{32, 111};
   double drift_m = 1.8;
+  const auto set_cache = [](int mb) { submap::DistanceCache::set_limit_bytes(static_cast<std::size_t>(mb) << 20); };
+  set_cache(graph::OptimizerConfig{}.distance_cache_mb);
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--drift_m=", 10) == 0) drift_m = std::stod(argv[i] + 10);
-    if (std::strncmp(argv[i], "--cache_mb=", 11) == 0)
-      submap::DistanceCache::set_limit_bytes(std::stoul(argv[i] + 11) << 20);
+    if (std::strncmp(argv[i], "--cache_mb=", 11) == 0) set_cache(std::stoi(argv[i] + 11));
     if (std::strncmp(argv[i], "--submaps=", 10) == 0) sizes = {std::stoi(argv[i] + 10)};
   }
   std::printf("| submaps | pairs | CPU s per new submap, mean | most | last | RMSE m, drift -> solved |\n");

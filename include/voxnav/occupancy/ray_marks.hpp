@@ -18,6 +18,9 @@ struct RayEnds {
   void clear() {
     for (auto& axis : along) axis.clear();
   }
+  void reserve(std::size_t n) {
+    for (auto& axis : along) axis.reserve(n);
+  }
   void push_back(const geometry::Vec3f& end) {
     for (int axis = 0; axis < 3; ++axis) along[static_cast<std::size_t>(axis)].push_back(end[axis]);
   }
