@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
+#include "voxnav/base/processor.hpp"
+#include "voxnav/submap/distance_block.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -112,6 +114,27 @@ TEST_P(SubmapDistances, CertifiedNeverExceedTheTruth) {
     }
   }
   EXPECT_GT(observed, 1000);
+}
+
+TEST_P(SubmapDistances, EveryInstructionSetGivesTheSame) {
+  const auto content = test::random_content(14, 40, GetParam(), 0.1, kVoxel);
+  const auto derive = [&](bool wide) {
+    base::use_wide(wide);
+    const auto field = Submap::from_content(content, geometry::Pose::Identity(), {});
+    std::vector<float> out;
+    for (const auto& p : field->surface_points()) out.insert(out.end(), {p.normal.x(), p.normal.y(), p.normal.z()});
+    for (const auto& block : content.blocks) {
+      const auto distances = submap::derive_distances(*field->field(), block.index);
+      std::array<float, 8> corners;
+      for (int i = 0; i < geometry::kBlockVolume; ++i) {
+        const bool is_known = distances && distances->corners((i & 15) - 1, (i >> 4 & 15) - 1, (i >> 8) - 1, &corners);
+        out.push_back(is_known ? corners[0] : 99.0F);
+      }
+    }
+    return out;
+  };
+  const auto plain = derive(false);
+  EXPECT_EQ(derive(true), plain);
 }
 
 INSTANTIATE_TEST_SUITE_P(Densities, SubmapDistances, ::testing::Values(0.0, 0.0005, 0.01, 0.1));

@@ -65,9 +65,9 @@ class CompressedField {
   void for_each_leaf_in(const geometry::Index3& index, F&& f) const;
 
   /// Calls f(cell, states, leaves) for every cell of a block that is not all unknown; states: two bits per voxel,
-  /// leaves: of its occupied voxels in order, null when there is none.
+  /// leaves: of its occupied voxels in order, null when there is none. @param cells bit per cell: those asked for
   template <class F>
-  void for_each_cell(int position, F&& f) const;
+  void for_each_cell(int position, std::uint64_t cells, F&& f) const;
   /// Whether a block has surface points or measured distances.
   bool has_surface(int position) const {
     const Block& block = blocks_[static_cast<std::size_t>(position)];
@@ -229,9 +229,10 @@ void CompressedField::for_each_leaf_in(const geometry::Index3& index, F&& f) con
 }
 
 template <class F>
-void CompressedField::for_each_cell(int position, F&& f) const {
+void CompressedField::for_each_cell(int position, std::uint64_t cells, F&& f) const {
   const Block& block = blocks_[static_cast<std::size_t>(position)];
-  for (int cell = 0; cell < kCells; ++cell) {
+  for (; cells != 0; cells &= cells - 1) {
+    const int cell = __builtin_ctzll(cells);
     const std::uint8_t code = block.codes[cell];
     if (code == kAllUnknown) continue;
     const bool has_leaves = (block.occupied_cells >> cell) & 1;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "voxnav/base/lanes.hpp"
 #include "voxnav/submap/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -24,6 +25,13 @@ class DistanceBlock {
   bool corners(int x, int y, int z, std::array<float, 8>* values) const;
   /// @param distance voxel edges, between -band and band
   void set(int x, int y, int z, float distance);
+  /// The distances, from 0 on, of some of eight voxels along x; the others have none.
+  VOXNAV_INLINE void set_eight(int x, int y, int z, base::lanes::Floats distance, base::lanes::Ints which) {
+    using Codes = std::int16_t __attribute__((vector_size(16)));
+    const base::lanes::Floats code = base::lanes::smaller(distance / scale_, base::lanes::Floats{} + 32767.f) + 0.5f;
+    const base::lanes::Ints codes = which ? base::lanes::truncated(code) : base::lanes::Ints{} + kNone;
+    base::lanes::store(__builtin_convertvector(codes, Codes), &codes_[at(x, y, z)]);
+  }
   bool is_empty() const;
 
   mutable std::atomic<bool> was_used{false};  ///< since the cache last looked

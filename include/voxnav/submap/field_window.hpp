@@ -17,36 +17,51 @@ struct WindowLeaf {
   float phase;  ///< when it was seen, as a share of the submap's time
 };
 
-/// One block and up to 8 voxels around it as columns of bits: bit z + 8 of the column at (x, y). Unpacked from the
+/// One block and up to 8 voxels around it as rows of bits along x: bit x + 8 of the row at (y, z). Unpacked from the
 /// cells that lie there; made to be used again for the next block.
 class FieldWindow {
  public:
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
+  /// x y z 1 and y z x 0 of a surface point: what its products take, without exchanging lanes.
+  using Point = std::array<float, 8>;
 
   /// @param halo voxels around the block that are asked for, at most kHalo; more may be there (whole cells)
   void load(const CompressedField& field, const geometry::Index3& block, int halo);
 
+  /// By z, y and x.
   const std::vector<WindowLeaf>& leaves() const { return leaves_; }
-  std::uint32_t free(int x, int y) const { return free_[at(x, y)]; }
-  std::uint32_t occupied(int x, int y) const { return occupied_[at(x, y)]; }
+  /// Surface point of each of them, from the centre of the first voxel of the block.
+  const Point* points() const { return points_.data(); }
+  std::uint32_t free(int y, int z) const { return free_[at(y, z)]; }
+  std::uint32_t occupied(int y, int z) const { return occupied_[at(y, z)]; }
+  /// Number of the first leaf of a row; the others follow it.
+  unsigned first_leaf(int y, int z) const { return first_leaf_[at(y, z)]; }
   containers::State state(int x, int y, int z) const {
-    if ((occupied(x, y) >> (z + kHalo)) & 1) return containers::State::kOccupied;
-    return (free(x, y) >> (z + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
-  }
-  /// The leaf of an occupied voxel.
-  const WindowLeaf& leaf_at(int x, int y, int z) const {
-    return leaves_[leaf_index_[at(x, y) * kSide + static_cast<std::size_t>(z + kHalo)]];
+    if ((occupied(y, z) >> (x + kHalo)) & 1) return containers::State::kOccupied;
+    return (free(y, z) >> (x + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
   }
 
  private:
-  static std::size_t at(int x, int y) { return static_cast<std::size_t>(x + kHalo + kSide * (y + kHalo)); }
+  /// A cell with leaves. Voxels: bit 8 row + x of the first and last two layers.
+  struct OccupiedCell {
+    int x, y, z;
+    std::array<std::uint64_t, 2> voxels;
+    const CompressedField::Leaf* leaves;
+  };
+
+  static std::size_t at(int y, int z) { return static_cast<std::size_t>(y + kHalo + kSide * (z + kHalo)); }
   void add_block(const CompressedField& field, int position, const geometry::Index3& first, int halo);
+  void number_leaves();
+  void take_leaves(const CompressedField& field, const OccupiedCell& cell);
 
   std::array<std::uint32_t, kSide * kSide> free_;
   std::array<std::uint32_t, kSide * kSide> occupied_;
+  std::array<std::uint16_t, kSide * kSide> first_leaf_;
+  std::array<std::uint16_t, kSide * kSide> next_leaf_;  ///< of each row, while they are taken
+  std::vector<OccupiedCell> cells_;
   std::vector<WindowLeaf> leaves_;
-  std::vector<std::uint16_t> leaf_index_ = std::vector<std::uint16_t>(kSide * kSide * kSide);
+  std::vector<Point> points_;
 };
 
 /// What is known of the surface in a voxel.
@@ -55,8 +70,9 @@ struct LeafNormal {
   float quality = 0.f;                    ///< confidence in the normal, 0 to 1
 };
 
-/// From the 26 voxels around a leaf, which must lie in the window.
-LeafNormal estimate_normal(const FieldWindow& window, const WindowLeaf& leaf);
+/// From the 26 voxels around each of these leaves, by number; those voxels must lie in the window.
+void estimate_normals(const FieldWindow& window, const std::vector<std::uint16_t>& leaves,
+                      std::vector<LeafNormal>* normals);
 
 /// Leaves in planes seen from one side; their distances are taken from the plane.
 constexpr float kPlanarQuality = 0.9f;

@@ -3,13 +3,13 @@
 
 #include <cstring>
 
-#include "lanes.hpp"
 #include "point_batch.hpp"
+#include "voxnav/base/lanes.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-using namespace lanes;  // NOLINT: the vector types of this file
+using namespace base::lanes;  // NOLINT: the vector types of this file
 
 /// Where beams fall in the image, see BeamImage::project().
 struct DrawnBatch {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lanes.hpp"
+#include "voxnav/base/lanes.hpp"
 
 /// Eight rays at once. No branch depends on a single ray: which axis it follows, and where it changes voxel next,
 /// nobody could predict.
 namespace voxnav::occupancy::ray_walk {
 
-using namespace lanes;  // NOLINT: the vector types of this file
+using namespace base::lanes;  // NOLINT: the vector types of this file
 
 constexpr std::int32_t kNever = 1 << 30;
 

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <limits>
 
-#include "lanes.hpp"
 #include "point_batch.hpp"
+#include "voxnav/base/lanes.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-using namespace lanes;  // NOLINT: the vector types of this file
+using namespace base::lanes;  // NOLINT: the vector types of this file
 
 /// Where the points of a batch end.
 struct PlacedBatch {

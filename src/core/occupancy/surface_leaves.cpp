@@ -6,14 +6,14 @@
 #include <cstddef>
 #include <cstring>
 
-#include "lanes.hpp"
+#include "voxnav/base/lanes.hpp"
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 
 namespace {
 
-using namespace lanes;  // NOLINT: the vector types of this file
+using namespace base::lanes;  // NOLINT: the vector types of this file
 
 /// std::lrint() is a call without -fno-math-errno; halves away from zero.
 std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + std::copysign(0.5f, value)); }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/occupancy/surface_sight.hpp"
 
-#include "lanes.hpp"
+#include "voxnav/base/lanes.hpp"
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 
-using namespace lanes;  // NOLINT: the vector types of this file
+using namespace base::lanes;  // NOLINT: the vector types of this file
 
 /// Some beams of the scan, by number.
 struct SurfaceSight::Beams {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/submap/field_window.hpp"
 
+#include <algorithm>
+
+#include "voxnav/occupancy/byte_ops.hpp"
+
 namespace voxnav::submap {
 namespace {
 
@@ -9,11 +13,26 @@ using geometry::kBlockSide;
 
 constexpr int kCellSide = 4;
 
-/// Even bits of the four layers of a cell at one column: bits xy, xy + 32 of both words.
-unsigned column_of(const std::array<std::uint64_t, 2>& states, int bit) {
-  const std::uint64_t low = states[0] >> bit;
-  const std::uint64_t high = states[1] >> bit;
-  return static_cast<unsigned>((low & 1) | ((low >> 31) & 2) | ((high & 1) << 2) | ((high >> 29) & 8));
+/// Even bits of the two layers in a word of a cell's states, a byte for each of their eight rows.
+std::uint64_t rows_of(std::uint64_t states) {
+  states &= 0x5555555555555555ull;
+  states = (states | (states >> 1)) & 0x3333333333333333ull;
+  return (states | (states >> 2)) & 0x0F0F0F0F0F0F0F0Full;
+}
+
+/// Cells of a block that reach into the window; its first voxel is at `first`.
+std::uint64_t cells_within(const Index3& first, int halo) {
+  std::uint64_t out = ~std::uint64_t{0};
+  const auto keep = [&](int c0, std::uint64_t layer, int step) {
+    for (int i = 0; i < kCellSide; ++i) {
+      const int c = c0 + i * kCellSide;
+      if (c + kCellSide <= -halo || c >= kBlockSide + halo) out &= ~(layer << (step * i));
+    }
+  };
+  keep(first.x, 0x1111111111111111ull, 1);
+  keep(first.y, 0x000F000F000F000Full, 4);
+  keep(first.z, 0xFFFFull, 16);
+  return out;
 }
 
 }  // namespace
@@ -21,43 +40,68 @@ unsigned column_of(const std::array<std::uint64_t, 2>& states, int bit) {
 void FieldWindow::load(const CompressedField& field, const Index3& block, int halo) {
   free_.fill(0);
   occupied_.fill(0);
-  leaves_.clear();
+  cells_.clear();
   for (int i = 0; i < 27; ++i) {
     const Index3 step{i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1};
     const int position = field.position_of(block + step);
     if (position < 0) continue;
     add_block(field, position, {step.x * kBlockSide, step.y * kBlockSide, step.z * kBlockSide}, halo);
   }
+  number_leaves();
+  for (const OccupiedCell& cell : cells_) take_leaves(field, cell);
 }
 
 void FieldWindow::add_block(const CompressedField& field, int position, const Index3& first, int halo) {
-  const auto is_in = [&](int c) { return c + kCellSide > -halo && c < kBlockSide + halo; };
-  field.for_each_cell(position, [&](int cell, const auto& states, const CompressedField::Leaf* leaf) {
-    const int x0 = first.x + (cell & 3) * kCellSide;
-    const int y0 = first.y + ((cell >> 2) & 3) * kCellSide;
-    const int z0 = first.z + (cell >> 4) * kCellSide;
-    if (!is_in(x0) || !is_in(y0) || !is_in(z0)) return;
-    constexpr std::uint64_t kAllFree = 0x5555555555555555ull;
-    const bool is_free = states[0] == kAllFree && states[1] == kAllFree;
-    for (int xy = 0; xy < 16; ++xy) {
-      const std::size_t column = at(x0 + (xy & 3), y0 + (xy >> 2));
-      const unsigned free = is_free ? 15u : column_of(states, 2 * xy);
-      free_[column] |= free << (z0 + kHalo);
-      if (leaf) occupied_[column] |= column_of(states, 2 * xy + 1) << (z0 + kHalo);
-    }
-    for (int word = 0; leaf && word < 2; ++word) {
-      for (std::uint64_t bits = states[word] & ~kAllFree; bits != 0; bits &= bits - 1, ++leaf) {
-        const int voxel = 32 * word + (__builtin_ctzll(bits) >> 1);
-        const int x = x0 + (voxel & 3);
-        const int y = y0 + ((voxel >> 2) & 3);
-        const int z = z0 + (voxel >> 4);
-        leaf_index_[at(x, y) * kSide + static_cast<std::size_t>(z + kHalo)] =
-            static_cast<std::uint16_t>(leaves_.size());
-        const geometry::Vec3f mean(leaf->mean[0], leaf->mean[1], leaf->mean[2]);
-        leaves_.push_back({x, y, z, mean * (1.0f / 254.0f), leaf->hits, field.phase_of(leaf)});
+  field.for_each_cell(position, cells_within(first, halo), [&](int cell, const auto& states, const auto* leaves) {
+    const int x = first.x + (cell & 3) * kCellSide;
+    const int y = first.y + ((cell >> 2) & 3) * kCellSide;
+    const int z = first.z + (cell >> 4) * kCellSide;
+    const int shift = x + kHalo;
+    OccupiedCell occupied{x, y, z, {}, leaves};
+    for (int word = 0; word < 2; ++word) {
+      const std::uint64_t free = rows_of(states[word]);
+      for (int row = 0; row < 8; ++row) {
+        free_[at(y + (row & 3), z + 2 * word + (row >> 2))] |= static_cast<std::uint32_t>((free >> (8 * row)) & 15)
+                                                               << shift;
+      }
+      if (!leaves) continue;
+      const std::uint64_t voxels = occupied.voxels[static_cast<std::size_t>(word)] = rows_of(states[word] >> 1);
+      for (int row = 0; row < 8; ++row) {
+        occupied_[at(y + (row & 3), z + 2 * word + (row >> 2))] |=
+            static_cast<std::uint32_t>((voxels >> (8 * row)) & 15) << shift;
       }
     }
+    if (leaves) cells_.push_back(occupied);
   });
+}
+
+void FieldWindow::number_leaves() {
+  unsigned count = 0;
+  for (std::size_t row = 0; row < occupied_.size(); ++row) {
+    first_leaf_[row] = static_cast<std::uint16_t>(count);
+    if (occupied_[row] != 0) count += occupancy::count_bits(occupied_[row]);
+  }
+  next_leaf_ = first_leaf_;
+  leaves_.resize(count);
+  points_.resize(count);
+}
+
+/// Cells come by rising x, so each leaf is the next one of its row.
+void FieldWindow::take_leaves(const CompressedField& field, const OccupiedCell& cell) {
+  const CompressedField::Leaf* leaf = cell.leaves;
+  for (int word = 0; word < 2; ++word) {
+    for (std::uint64_t bits = cell.voxels[static_cast<std::size_t>(word)]; bits != 0; bits &= bits - 1, ++leaf) {
+      const int bit = __builtin_ctzll(bits);
+      const int x = cell.x + (bit & 7);
+      const int y = cell.y + ((bit >> 3) & 3);
+      const int z = cell.z + 2 * word + (bit >> 5);
+      const std::size_t i = next_leaf_[at(y, z)]++;
+      const geometry::Vec3f mean = geometry::Vec3f(leaf->mean[0], leaf->mean[1], leaf->mean[2]) * (1.0f / 254.0f);
+      leaves_[i] = {x, y, z, mean, leaf->hits, field.phase_of(leaf)};
+      const geometry::Vec3f p = geometry::Vec3f(x, y, z) + mean;
+      points_[i] = {p.x(), p.y(), p.z(), 1.0f, p.y(), p.z(), p.x(), 0.0f};
+    }
+  }
 }
 
 }  // namespace voxnav::submap

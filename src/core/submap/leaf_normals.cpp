@@ -1,146 +1,184 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "voxnav/base/lanes.hpp"
+#include "voxnav/occupancy/byte_ops.hpp"
 #include "voxnav/submap/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {
 
+using namespace base::lanes;  // NOLINT: the vector types of this file
 using containers::State;
 using geometry::Vec3f;
 
+using Quad = float __attribute__((vector_size(16)));
+
 /// What the 26 voxels around a leaf say.
 struct Neighborhood {
-  Vec3f towards_free = Vec3f::Zero();  ///< sum of unit directions
-  int num_free = 0;
-  Vec3f sum = Vec3f::Zero();
-  std::array<float, 6> squares{};  ///< xx yy zz xy xz yz
-  int num_leaves = 0;
+  std::array<float, 4> towards_free;  ///< sum of unit directions, and how many they are
+  std::array<float, 4> sum;           ///< x y z of the surface points from the leaf's centre, and how many they are
+  std::array<float, 4> squares;       ///< xx yy zz
+  std::array<float, 4> products;      ///< xy yz zx
 };
+using Batch = std::array<Neighborhood, kLanes>;
 
-/// Sums of the unit vectors to the free ones of three voxels above each other, for each of the nine columns.
-using ColumnSums = std::array<std::array<Vec3f, 8>, 9>;
-ColumnSums make_sums() {
-  ColumnSums out;
-  for (int column = 0; column < 9; ++column) {
+/// Sums of the unit vectors to the free ones of three voxels beside each other, and their number, for each of the nine
+/// rows.
+using RowSums = std::array<std::array<std::array<float, 4>, 8>, 9>;
+RowSums make_sums() {
+  RowSums out;
+  for (int row = 0; row < 9; ++row) {
     for (int bits = 0; bits < 8; ++bits) {
-      Vec3f sum = Vec3f::Zero();
+      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
       for (int k = 0; k < 3; ++k) {
-        const Vec3f step(static_cast<float>(column % 3 - 1), static_cast<float>(column / 3 - 1),
-                         static_cast<float>(k - 1));
-        if (((bits >> k) & 1) && !step.isZero()) sum += step.normalized();
+        const Vec3f step(static_cast<float>(k - 1), static_cast<float>(row % 3 - 1), static_cast<float>(row / 3 - 1));
+        if (((bits >> k) & 1) && !step.isZero()) sum += step.normalized().homogeneous();
       }
-      out[static_cast<std::size_t>(column)][static_cast<std::size_t>(bits)] = sum;
+      out[static_cast<std::size_t>(row)][static_cast<std::size_t>(bits)] = {sum[0], sum[1], sum[2], sum[3]};
     }
   }
   return out;
 }
 
-void add_point(const Vec3f& p, Neighborhood* out) {
-  out->sum += p;
-  out->squares[0] += p.x() * p.x();
-  out->squares[1] += p.y() * p.y();
-  out->squares[2] += p.z() * p.z();
-  out->squares[3] += p.x() * p.y();
-  out->squares[4] += p.x() * p.z();
-  out->squares[5] += p.y() * p.z();
-  ++out->num_leaves;
-}
-
-Neighborhood look_around(const FieldWindow& window, const WindowLeaf& leaf) {
-  static const ColumnSums sums = make_sums();
-  static constexpr int kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
-  Neighborhood out;
-  const int shift = leaf.z - 1 + FieldWindow::kHalo;
-  for (int column = 0; column < 9; ++column) {
-    const int x = leaf.x + column % 3 - 1;
-    const int y = leaf.y + column / 3 - 1;
-    const unsigned free = (window.free(x, y) >> shift) & 7u;
-    out.towards_free += sums[static_cast<std::size_t>(column)][free];
-    out.num_free += kCount[free];
-    const unsigned occupied = (window.occupied(x, y) >> shift) & 7u;
-    for (int k = 0; k < 3; ++k) {
-      if (!((occupied >> k) & 1)) continue;
-      const WindowLeaf& other = window.leaf_at(x, y, leaf.z - 1 + k);
-      add_point(other.mean + Vec3f(column % 3 - 1, column / 3 - 1, k - 1), &out);
-    }
+/// Neighbours are listed first and summed up then: without branches but one.
+VOXNAV_INLINE void look_around(const FieldWindow& window, const WindowLeaf& leaf, const RowSums& sums,
+                               Neighborhood* out) {
+  constexpr unsigned kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
+  unsigned others[27 + 3];
+  unsigned num_others = 0;
+  Quad towards_free{};
+  const int shift = leaf.x - 1 + FieldWindow::kHalo;
+  for (int row = 0; row < 9; ++row) {
+    const int y = leaf.y + row % 3 - 1;
+    const int z = leaf.z + row / 3 - 1;
+    towards_free += loaded<Quad>(&sums[static_cast<std::size_t>(row)][(window.free(y, z) >> shift) & 7u]);
+    const std::uint32_t occupied = window.occupied(y, z);
+    const unsigned first = window.first_leaf(y, z) + occupancy::count_bits(occupied & ((1u << shift) - 1u));
+    for (unsigned k = 0; k < 3; ++k) others[num_others + k] = first + k;
+    num_others += kCount[(occupied >> shift) & 7u];
   }
-  return out;
+  const auto x = static_cast<float>(leaf.x), y = static_cast<float>(leaf.y), z = static_cast<float>(leaf.z);
+  const Quad center = {x, y, z, 0.f}, turned_center = {y, z, x, 0.f};
+  Quad sum{}, squares{}, products{};
+  for (unsigned i = 0; i < num_others; ++i) {
+    const FieldWindow::Point& point = window.points()[others[i]];
+    const Quad p = loaded<Quad>(point.data()) - center;
+    sum += p;
+    squares += p * p;
+    products += p * (loaded<Quad>(point.data() + 4) - turned_center);
+  }
+  store(towards_free, out->towards_free.data());
+  store(sum, out->sum.data());
+  store(squares, out->squares.data());
+  store(products, out->products.data());
 }
 
-/// Symmetric 3 x 3 matrix: xx yy zz xy xz yz.
-using Symmetric = std::array<float, 6>;
+struct Vec {
+  Floats x, y, z;
+};
+VOXNAV_INLINE Floats dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-Vec3f times(const Symmetric& m, const Vec3f& v) {
-  return {m[0] * v.x() + m[3] * v.y() + m[4] * v.z(), m[3] * v.x() + m[1] * v.y() + m[5] * v.z(),
-          m[4] * v.x() + m[5] * v.y() + m[2] * v.z()};
+/// Symmetric 3 x 3 matrices.
+struct Symmetric {
+  Floats xx, yy, zz, xy, xz, yz;
+};
+VOXNAV_INLINE Vec times(const Symmetric& m, const Vec& v) {
+  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
+          m.xz * v.x + m.yz * v.y + m.zz * v.z};
 }
-
 /// Adjugate: the eigenvectors of the matrix, the one of the smallest eigenvalue now being the strongest.
-Symmetric adjugate(const Symmetric& m) {
-  return {m[1] * m[2] - m[5] * m[5], m[0] * m[2] - m[4] * m[4], m[0] * m[1] - m[3] * m[3],
-          m[4] * m[5] - m[3] * m[2], m[3] * m[5] - m[4] * m[1], m[3] * m[4] - m[5] * m[0]};
+VOXNAV_INLINE Symmetric adjugate(const Symmetric& m) {
+  return {m.yy * m.zz - m.yz * m.yz, m.xx * m.zz - m.xz * m.xz, m.xx * m.yy - m.xy * m.xy,
+          m.xz * m.yz - m.xy * m.zz, m.xy * m.yz - m.xz * m.yy, m.xy * m.xz - m.yz * m.xx};
 }
 
-/// Unit vector of the thinnest direction of a covariance; zero when it has none.
-Vec3f thinnest_direction(const Symmetric& covariance) {
-  const Symmetric adj = adjugate(covariance);
-  const int largest = adj[0] >= adj[1] ? (adj[0] >= adj[2] ? 0 : 2) : (adj[1] >= adj[2] ? 1 : 2);
-  Vec3f v = times(adj, Vec3f::Unit(largest));
-  for (int i = 0; i < 3; ++i) {  // the share of other directions shrinks by the ratio of the two smallest spreads
-    const float norm = v.norm();
-    if (!(norm > 0.f)) return Vec3f::Zero();
-    v = times(adj, v / norm);
-  }
-  const float norm = v.norm();
-  return norm > 0.f ? Vec3f(v / norm) : Vec3f(Vec3f::Zero());
+/// The thinnest directions of covariances, of a length that is not far from one, from their adjugates.
+VOXNAV_INLINE Vec thinnest_direction(const Symmetric& adj, Floats largest) {
+  const Floats scale = 1.0f / largest;
+  const Symmetric m = {adj.xx * scale, adj.yy * scale, adj.zz * scale, adj.xy * scale, adj.xz * scale, adj.yz * scale};
+  const Ints is_x = adj.xx >= largest, is_y = adj.yy >= largest;
+  Vec v = {is_x ? m.xx : is_y ? m.xy : m.xz, is_x ? m.xy : is_y ? m.yy : m.yz, is_x ? m.xz : is_y ? m.yz : m.zz};
+  // The share of other directions shrinks by the ratio of the two smallest spreads.
+  for (int i = 0; i < 3; ++i) v = times(m, v);
+  return v;
 }
 
-/// Normal of the plane through the neighbouring surface points; zero when they do not lie in one.
-Vec3f plane_normal(const Neighborhood& around) {
-  constexpr int kMinLeaves = 5;
+template <std::size_t kSize>
+VOXNAV_INLINE Floats across(const Batch& batch, std::array<float, kSize> Neighborhood::*member, std::size_t i) {
+  Floats out;
+  for (std::size_t k = 0; k < kLanes; ++k) out[k] = (batch[k].*member)[i];
+  return out;
+}
+
+/// Normals of the planes through the neighbouring surface points, either way up; zero where these do not lie in one.
+using Normals = std::array<std::array<float, kLanes>, 3>;
+VOXNAV_INLINE void fit_planes(const Batch& batch, Normals* normals) {
+  constexpr float kMinLeaves = 5.0f;
   constexpr float kMaxThickness = 0.2f;  // voxel edges, RMS
   constexpr float kMinWidth = 0.35f;
-  if (around.num_leaves < kMinLeaves) return Vec3f::Zero();
-  const float n = 1.f / static_cast<float>(around.num_leaves);
-  const Vec3f mean = around.sum * n;
-  const Symmetric covariance = {
-      around.squares[0] * n - mean.x() * mean.x(), around.squares[1] * n - mean.y() * mean.y(),
-      around.squares[2] * n - mean.z() * mean.z(), around.squares[3] * n - mean.x() * mean.y(),
-      around.squares[4] * n - mean.x() * mean.z(), around.squares[5] * n - mean.y() * mean.z()};
-  const Vec3f normal = thinnest_direction(covariance);
-  const float thin = normal.dot(times(covariance, normal));
-  // Of the other two variances the sum and the product are known, so also the smaller one.
-  const float sum = covariance[0] + covariance[1] + covariance[2] - thin;
+  const Floats count = across(batch, &Neighborhood::sum, 3), n = 1.0f / count;
+  const Vec mean = {across(batch, &Neighborhood::sum, 0) * n, across(batch, &Neighborhood::sum, 1) * n,
+                    across(batch, &Neighborhood::sum, 2) * n};
+  const Symmetric covariance = {across(batch, &Neighborhood::squares, 0) * n - mean.x * mean.x,
+                                across(batch, &Neighborhood::squares, 1) * n - mean.y * mean.y,
+                                across(batch, &Neighborhood::squares, 2) * n - mean.z * mean.z,
+                                across(batch, &Neighborhood::products, 0) * n - mean.x * mean.y,
+                                across(batch, &Neighborhood::products, 2) * n - mean.x * mean.z,
+                                across(batch, &Neighborhood::products, 1) * n - mean.y * mean.z};
   const Symmetric adj = adjugate(covariance);
-  const float product = adj[0] + adj[1] + adj[2] - thin * sum;
-  const float middle = 0.5f * (sum - std::sqrt(std::max(0.f, sum * sum - 4.f * product)));
-  const bool is_plane = thin < kMaxThickness * kMaxThickness && middle > kMinWidth * kMinWidth;
-  return is_plane ? normal : Vec3f(Vec3f::Zero());
+  const Floats largest = larger(adj.xx, larger(adj.yy, adj.zz));
+  const Vec v = thinnest_direction(adj, largest);
+  const Floats squared = dot(v, v);
+  const Floats thin = dot(v, times(covariance, v)) / squared;
+  // Of the other two variances the sum and the product are known, so also the smaller one,
+  // (sum - sqrt(sum^2 - 4 product)) / 2; it is compared without taking the root.
+  const Floats sum = covariance.xx + covariance.yy + covariance.zz - thin;
+  const Floats product = adj.xx + adj.yy + adj.zz - thin * sum;
+  const Floats room = sum - 2.0f * kMinWidth * kMinWidth;
+  const Ints is_plane = (count >= kMinLeaves) & (largest > 0.0f) & (thin < kMaxThickness * kMaxThickness) &
+                        (room > 0.0f) & (room * room > sum * sum - 4.0f * product);
+  const Floats scale = 1.0f / exact_root(squared);
+  store(is_plane ? v.x * scale : Floats{}, (*normals)[0].data());
+  store(is_plane ? v.y * scale : Floats{}, (*normals)[1].data());
+  store(is_plane ? v.z * scale : Floats{}, (*normals)[2].data());
+}
+
+/// For a whole batch of leaves.
+VOXNAV_INLINE void look_at(const FieldWindow& window, const std::uint16_t* leaves, const RowSums& sums, Batch* batch,
+                           Normals* normals) {
+  for (std::size_t k = 0; k < kLanes; ++k) look_around(window, window.leaves()[leaves[k]], sums, &(*batch)[k]);
+  fit_planes(*batch, normals);
+}
+void look_at_plain(const FieldWindow& window, const std::uint16_t* leaves, const RowSums& sums, Batch* batch,
+                   Normals* normals) {
+  look_at(window, leaves, sums, batch, normals);
+}
+VOXNAV_WIDE void look_at_wide(const FieldWindow& window, const std::uint16_t* leaves, const RowSums& sums, Batch* batch,
+                              Normals* normals) {
+  look_at(window, leaves, sums, batch, normals);
 }
 
 State state_behind(const FieldWindow& window, const WindowLeaf& leaf, const Vec3f& normal) {
-  const Vec3f step = -normal / normal.cwiseAbs().maxCoeff();
-  const auto round = [](float c) { return static_cast<int>(std::lround(c)); };
-  return window.state(leaf.x + round(step.x()), leaf.y + round(step.y()), leaf.z + round(step.z()));
+  const float half = 0.5f * normal.cwiseAbs().maxCoeff();
+  const auto step = [&](float c) { return (c <= -half ? 1 : 0) - (c >= half ? 1 : 0); };
+  return window.state(leaf.x + step(normal.x()), leaf.y + step(normal.y()), leaf.z + step(normal.z()));
 }
 
-}  // namespace
-
-LeafNormal estimate_normal(const FieldWindow& window, const WindowLeaf& leaf) {
+LeafNormal judge(const FieldWindow& window, const WindowLeaf& leaf, const Neighborhood& around, Vec3f normal) {
   constexpr float kOneSided = 0.25f;
-  const Neighborhood around = look_around(window, leaf);
-  if (around.num_free == 0) return {};  // deep inside: no surface is seen from here
-  const float strength = around.towards_free.norm() / static_cast<float>(around.num_free);
-  const Vec3f free_side = strength > 1e-3f ? around.towards_free.normalized() : Vec3f::Zero();
-  Vec3f normal = plane_normal(around);
-  if (normal.dot(free_side) < 0.f) normal = -normal;
-  if (!normal.isZero() && strength > kOneSided && normal.dot(free_side) > 0.3f &&
-      state_behind(window, leaf, normal) != State::kFree) {
-    return {normal, kPlanarQuality};
-  }
+  const float num_free = around.towards_free[3];
+  if (!(num_free > 0.f)) return {};  // deep inside: no surface is seen from here
+  const Vec3f towards_free(around.towards_free[0], around.towards_free[1], around.towards_free[2]);
+  const float length = towards_free.norm();
+  const float strength = length / num_free;
+  const Vec3f free_side = strength > 1e-3f ? Vec3f(towards_free * (1.f / length)) : Vec3f(Vec3f::Zero());
   if (strength > kOneSided) {
+    const float along = normal.dot(free_side);  // zero where there is no plane
+    if (along < 0.f) normal = -normal;
+    if (std::abs(along) > 0.3f && state_behind(window, leaf, normal) != State::kFree) return {normal, kPlanarQuality};
     const bool is_solid = state_behind(window, leaf, free_side) == State::kOccupied;
     return {free_side, is_solid ? kSolidQuality : kOneSidedQuality};
   }
@@ -150,6 +188,26 @@ LeafNormal estimate_normal(const FieldWindow& window, const WindowLeaf& leaf) {
           : !free_side.isZero() ? free_side
                                 : Vec3f(Vec3f::UnitX()),
           kThinQuality};
+}
+
+}  // namespace
+
+void estimate_normals(const FieldWindow& window, const std::vector<std::uint16_t>& leaves,
+                      std::vector<LeafNormal>* normals) {
+  static const RowSums sums = make_sums();
+  normals->resize(leaves.size());
+  Batch batch;
+  Normals planes;
+  for (std::size_t first = 0; first < leaves.size(); first += kLanes) {
+    std::array<std::uint16_t, kLanes> which;  // the lanes behind the last leaf repeat it
+    for (std::size_t k = 0; k < kLanes; ++k) which[k] = leaves[std::min(first + k, leaves.size() - 1)];
+    (base::is_wide() ? look_at_wide : look_at_plain)(window, which.data(), sums, &batch, &planes);
+    const std::size_t count = std::min<std::size_t>(kLanes, leaves.size() - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      (*normals)[first + k] =
+          judge(window, window.leaves()[which[k]], batch[k], Vec3f(planes[0][k], planes[1][k], planes[2][k]));
+    }
+  }
 }
 
 }  // namespace voxnav::submap

@@ -65,14 +65,22 @@ std::vector<SurfacePoint> sample_surface(const CompressedField& field, double re
                                          int max_points) {
   std::vector<Cell> all;
   const auto window = std::make_unique<FieldWindow>();
+  std::vector<std::uint16_t> inside;
+  std::vector<LeafNormal> normals;
   for (std::size_t i = 0; i < field.num_blocks(); ++i) {
     if (!field.has_surface(static_cast<int>(i))) continue;
     window->load(field, field.block_index(i), 1);
     const Vec3 first = geometry::center_of(geometry::voxel_at(field.block_index(i), 0), 1.0);
+    inside.clear();
+    for (std::size_t k = 0; k < window->leaves().size(); ++k) {
+      const WindowLeaf& leaf = window->leaves()[k];
+      if (((leaf.x | leaf.y | leaf.z) & ~15) == 0) inside.push_back(static_cast<std::uint16_t>(k));
+    }
+    estimate_normals(*window, inside, &normals);
     CellsOfBlock cells;
-    for (const WindowLeaf& leaf : window->leaves()) {
-      if (((leaf.x | leaf.y | leaf.z) & ~15) != 0) continue;
-      const LeafNormal surface = estimate_normal(*window, leaf);
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+      const WindowLeaf& leaf = window->leaves()[inside[k]];
+      const LeafNormal& surface = normals[k];
       if (!(surface.quality > 0.f)) continue;
       const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean.cast<double>()) * resolution_m;
       const int cell = CompressedField::cell_of(leaf.x | (leaf.y << 4) | (leaf.z << 8));

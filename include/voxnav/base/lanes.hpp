@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
 #include "voxnav/base/processor.hpp"
 
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
 /// Eight numbers at once, in the compiler's vector types, which every processor has some instructions for. Comparisons
 /// give lanes of all ones or all zeros.
-namespace voxnav::occupancy::lanes {
+namespace voxnav::base::lanes {
 
 constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
@@ -27,6 +32,19 @@ VOXNAV_INLINE std::int32_t highest(Ints x) {
   return out;
 }
 
+/// Exact.
+VOXNAV_INLINE Floats exact_root(Floats x) {
+#if defined(__SSE2__)
+  __m128 halves[2];
+  std::memcpy(halves, &x, sizeof x);
+  for (__m128& half : halves) half = _mm_sqrt_ps(half);
+  std::memcpy(&x, halves, sizeof x);
+#else
+  for (int i = 0; i < kLanes; ++i) x[i] = std::sqrt(x[i]);
+#endif
+  return x;
+}
+
 template <class V, class Number>
 VOXNAV_INLINE V loaded(const Number* from) {
   V out;
@@ -38,4 +56,4 @@ VOXNAV_INLINE void store(V x, Number* to) {
   std::memcpy(to, &x, sizeof x);
 }
 
-}  // namespace voxnav::occupancy::lanes
+}  // namespace voxnav::base::lanes
