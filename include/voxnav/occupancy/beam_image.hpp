@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "voxnav/geometry/pose.hpp"
@@ -20,46 +19,47 @@ class BeamImage {
  public:
   /// Takes beams with ranges between nearest_m and farthest_m; those that went farther count as farthest_m long, or
   /// are left out. The points must stay where they are as long as beams are looked up. Of several beams in a pixel
-  /// the first or the last is kept, in turn from scan to scan.
+  /// the first or the last is kept, in turn from scan to scan. Of more than 2^20 points only every second, third, ...
+  /// is taken.
   void build(const float* points, std::size_t n, std::size_t stride, float nearest_m, float farthest_m,
              bool use_farther);
 
-  static constexpr int kTogether = 4;
-  /// Some beams that lie in a row of pixels.
-  struct Row {
-    std::array<std::uint32_t, kTogether> points;  ///< their numbers
-    unsigned reaching;                            ///< bit i: beam i is as long as was asked for
-  };
-  /// Calls visit(row) for all pixels that a ball touches until it returns true; beams count as reaching when they are
-  /// at least `shortest` metres long. They are believed up to longest_m() only.
+  static constexpr int kTogether = 8;
+  /// Calls visit(beams, reaching) for rows of pixels that a ball touches until it returns true: bit i of `reaching` is
+  /// set when beam i of the kTogether in the row is longer than `shortest` metres, to a step of the image's ranges.
+  /// Beams are believed up to longest_m() only.
   template <class Visit>
-  void for_beams_near(const geometry::Vec3f& center, float radius, float shortest, Visit visit) const;
+  VOXNAV_INLINE void for_beams_near(const geometry::Vec3f& center, float radius, float shortest, Visit visit) const;
 
   /// Its end, frame L: x y z [m].
-  const float* end_of(std::uint32_t point) const { return points_ + point * stride_; }
+  const float* end_of(std::uint32_t beam) const { return points_ + beam * stride_; }
   float longest_m() const { return farthest_m_; }
   std::size_t memory_bytes() const { return (fine_.capacity() + coarse_.capacity()) * sizeof(Pixel); }
+
+  /// The number of a beam, and above it its range in steps, rounded up; 0 = no beam. Small, so that the image fits the
+  /// cache, and never negative, so that signed comparisons order by range.
+  using Pixel = std::int32_t;
+  static constexpr int kBeamBits = 20;
+  static constexpr Pixel kBeamMask = (1 << kBeamBits) - 1;
+  static constexpr int kMaxRange = (1 << (31 - kBeamBits)) - 1;
 
  private:
   static constexpr int kSide = 192;          ///< pixels of one face: 0.6 degrees in its middle
   static constexpr int kRatio = 4;           ///< fine pixels to a coarse one
   static constexpr int kMaxFinePixels = 10;  ///< across what is looked at; beyond it the coarse image serves
 
-  struct Pixel {
-    std::uint32_t point;
-    float range_sq;  ///< of ordinary size or larger; 0 = no beam
-  };
-  static_assert(sizeof(Pixel) == sizeof(std::uint64_t), "read and written as one word");
-  void keep(const Pixel& beam, std::int32_t fine, std::int32_t coarse);
-  /// Bit i: the beam of pixel i, of kTogether in a row, is at least so long.
-  static unsigned reaching(const Pixel* pixels, float least_sq) {
+  void keep(Pixel beam, std::int32_t fine, std::int32_t coarse);
+  /// Bit i: the beam of pixel i, of kTogether in a row, is at least as far as `least` is.
+  static VOXNAV_INLINE unsigned reaching(const Pixel* pixels, Pixel least) {
 #if defined(__SSE2__)
-    const auto* in = reinterpret_cast<const float*>(pixels);
-    const __m128 ranges = _mm_shuffle_ps(_mm_loadu_ps(in), _mm_loadu_ps(in + 4), _MM_SHUFFLE(3, 1, 3, 1));
-    return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpge_ps(ranges, _mm_set1_ps(least_sq))));
+    const auto half = [&](const Pixel* from) {
+      const __m128i in = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+      return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(_mm_cmpgt_epi32(in, _mm_set1_epi32(least - 1)))));
+    };
+    return half(pixels) | half(pixels + 4) << 4;
 #else
     unsigned bits = 0;
-    for (int i = 0; i < kTogether; ++i) bits |= (pixels[i].range_sq >= least_sq ? 1u : 0u) << i;
+    for (int i = 0; i < kTogether; ++i) bits |= (pixels[i] >= least ? 1u : 0u) << i;
     return bits;
 #endif
   }
@@ -81,12 +81,14 @@ class BeamImage {
   const float* points_ = nullptr;
   std::size_t stride_ = 3;
   float farthest_m_ = 0.0f;
+  float steps_per_m_ = 0.0f;  ///< of ranges in the image
   bool is_first_kept_ = false;
   std::vector<Pixel> fine_, coarse_;
 };
 
 template <class Visit>
-void BeamImage::for_beams_near(const geometry::Vec3f& center, float radius, float shortest, Visit visit) const {
+VOXNAV_INLINE void BeamImage::for_beams_near(const geometry::Vec3f& center, float radius, float shortest,
+                                             Visit visit) const {
   const Projection at = project(center);
   if (!(at.depth > 1.5f * radius)) return;  // the sensor is in or beside it
   const float reach = radius * 0.5f * kSide / at.depth;
@@ -95,15 +97,13 @@ void BeamImage::for_beams_near(const geometry::Vec3f& center, float radius, floa
   const int u_low = pixel(at.u - reach) / ratio, u_high = pixel(at.u + reach) / ratio;
   const int v_low = pixel(at.v - reach) / ratio, v_high = pixel(at.v + reach) / ratio;
   const Pixel* face = (is_fine ? fine_ : coarse_).data() + at.face * side * side;
-  const float least_sq = std::max(shortest * shortest, std::numeric_limits<float>::min());
+  const float least_range = std::max(shortest, 0.0f) * steps_per_m_;
+  const Pixel least = (1 + static_cast<Pixel>(std::min(least_range, kMaxRange - 1.0f))) << kBeamBits;
   for (int v = v_low; v <= v_high; ++v) {
     for (int u = u_low; u <= u_high; u += kTogether) {
       const Pixel* pixels = face + v * side + u;
       const unsigned inside = (2u << std::min(u_high - u, kTogether - 1)) - 1u;
-      if (visit(Row{{pixels[0].point, pixels[1].point, pixels[2].point, pixels[3].point},
-                    reaching(pixels, least_sq) & inside})) {
-        return;
-      }
+      if (visit(pixels, reaching(pixels, least) & inside)) return;
     }
   }
 }

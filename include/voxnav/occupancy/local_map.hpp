@@ -137,6 +137,7 @@ class LocalMap {
   void sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin);
   void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
+  void prefetch(std::uint32_t block) const;
   BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
   void note_removed(const geometry::Index3& block);
   containers::GridUpdate changes_after(std::uint64_t sequence) const;

@@ -27,9 +27,9 @@ class SurfaceSight {
  private:
   struct Beams;
   struct Target;
-  std::uint8_t look(const Target& target, const Beams& beams) const;
-  std::uint8_t look_plain(const Target& target, const Beams& beams) const;
-  std::uint8_t look_wide(const Target& target, const Beams& beams) const;
+  bool judge(const geometry::Vec3f& center, SurfaceLeaf* leaf) const;
+  bool judge_plain(const geometry::Vec3f& center, SurfaceLeaf* leaf) const;
+  bool judge_wide(const geometry::Vec3f& center, SurfaceLeaf* leaf) const;
   std::uint8_t octants_seen(const Target& target, Beams* beams) const;
 
   const BeamImage& beams_;

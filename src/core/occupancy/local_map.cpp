@@ -173,6 +173,16 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
   });
 }
 
+/// Blocks lie anywhere in memory; the next one comes while this one is worked on.
+void LocalMap::prefetch(std::uint32_t block) const {
+  if (block >= box_.num_blocks()) return;
+  for (const RayMarks& marks : marks_) {
+    if (!marks.is_crossed(block)) continue;
+    if (const OctreeBlock* known = window_.at(static_cast<int>(box_.slot_of(block)))) known->prefetch();
+    return;
+  }
+}
+
 BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight) {
   BlockEvidence evidence;
   bool is_crossed = false;
@@ -205,7 +215,10 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
   workers_->run([&](int worker) {
     BlockUpdate sum;
     for (base::Share share; blocks.next(&share);) {
-      for (std::size_t i = share.begin; i < share.end; ++i) sum += update_slot(static_cast<std::uint32_t>(i), sight);
+      for (std::size_t i = share.begin; i < share.end; ++i) {
+        prefetch(static_cast<std::uint32_t>(i + 1));
+        sum += update_slot(static_cast<std::uint32_t>(i), sight);
+      }
     }
     updates[static_cast<std::size_t>(worker)] = sum;
   });

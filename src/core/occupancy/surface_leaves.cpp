@@ -123,18 +123,21 @@ void SurfaceLeaves::begin_handover() {
 
 void SurfaceLeaves::assign(const VoxelBits& bits) {
   if (bits == bits_) return;
-  std::vector<SurfaceLeaf> packed;
   std::array<std::uint16_t, 64> first{};
   std::size_t count = 0;
   for (int word = 0; word < 64; ++word) {
     first[word] = static_cast<std::uint16_t>(count);
     count += count_bits(bits[word]);
   }
-  packed.reserve(count);
+  std::vector<SurfaceLeaf> packed(count);
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(bits[word], [&](int bit) {
-      const SurfaceLeaf* old = find(word * 64 + bit);
-      packed.push_back(old ? *old : SurfaceLeaf{});
+    const SurfaceLeaf* old = leaves_.data() + first_[word];
+    SurfaceLeaf* next = packed.data() + first[word];
+    for_each_bit(bits[word] | bits_[word], [&](int bit) {
+      const bool was = ((bits_[word] >> bit) & 1u) != 0, is = ((bits[word] >> bit) & 1u) != 0;
+      if (was && is) *next = *old;
+      old += was ? 1 : 0;
+      next += is ? 1 : 0;
     });
   }
   leaves_ = std::move(packed);

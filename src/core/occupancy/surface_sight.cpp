@@ -8,22 +8,40 @@ namespace voxnav::occupancy {
 
 using namespace base::lanes;  // NOLINT: the vector types of this file
 
+namespace {
+
+/// For each set of lanes their numbers, lowest first.
+struct SetLanes {
+  std::int32_t of[256][kLanes];
+  constexpr SetLanes() : of() {
+    for (unsigned set = 0; set < 256; ++set) {
+      int count = 0;
+      for (unsigned lane = 0; lane < kLanes; ++lane) {
+        if ((set >> lane & 1u) != 0) of[set][count++] = static_cast<std::int32_t>(lane);
+      }
+    }
+  }
+};
+constexpr SetLanes kSetLanes;
+
+}  // namespace
+
 /// Some beams of the scan, by number.
 struct SurfaceSight::Beams {
   static constexpr int kMost = 64;
   int count = 0;
-  std::uint32_t points[kMost + BeamImage::kTogether + kLanes];
+  std::int32_t numbers[kMost + 2 * kLanes];
 
   /// Without branches, which nobody could predict.
-  void add(const BeamImage::Row& row) {
-    for (unsigned i = 0; i < BeamImage::kTogether; ++i) {
-      points[count] = row.points[i];
-      count += static_cast<int>((row.reaching >> i) & 1u);
-    }
+  VOXNAV_INLINE void add(const BeamImage::Pixel* pixels, unsigned which) {
+    static_assert(BeamImage::kTogether == kLanes, "a row fills the lanes");
+    const auto order = loaded<Ints>(kSetLanes.of[which]);
+    store(__builtin_shuffle(loaded<Ints>(pixels) & BeamImage::kBeamMask, order), numbers + count);
+    count += static_cast<int>(count_bits(which));
   }
   /// The lanes behind the last beam repeat it, which changes nothing.
-  void fill_up() {
-    for (int i = count; i % kLanes != 0; ++i) points[i] = points[count - 1];
+  VOXNAV_INLINE void fill_up() {
+    for (int i = count; i % kLanes != 0; ++i) numbers[i] = numbers[count - 1];
   }
 };
 
@@ -72,7 +90,8 @@ SurfaceSight::SurfaceSight(const BeamImage& beams, const ScanFrame& frame, float
 
 /// Octants of the voxel that beams went through behind nothing; all of them when one met where the hits were. Without
 /// square roots: lengths are compared by their squares.
-VOXNAV_INLINE std::uint8_t SurfaceSight::look(const Target& target, const Beams& beams) const {
+VOXNAV_INLINE std::uint8_t SurfaceSight::octants_seen(const Target& target, Beams* beams) const {
+  beams->fill_up();
   const geometry::Vec3f center = target.center, mean = center + target.leaf->offset();
   const HitSpread spread = target.leaf->spread(guard_.spread_voxels);
   const float reach = longest_ - guard_.end_voxels;
@@ -80,10 +99,10 @@ VOXNAV_INLINE std::uint8_t SurfaceSight::look(const Target& target, const Beams&
   const float least_sq = guard_.end_voxels * guard_.end_voxels;
   const float limit = guard_.sigmas * guard_.sigmas * spread.determinant;
   Ints all{};
-  for (int i = 0; i < beams.count; i += kLanes) {
+  for (int i = 0; i < beams->count; i += kLanes) {
     Floats x, y, z;
     for (int k = 0; k < kLanes; ++k) {
-      const float* end_L = beams_.end_of(beams.points[i + k]);
+      const float* end_L = beams_.end_of(static_cast<std::uint32_t>(beams->numbers[i + k]));
       x[k] = end_L[0];
       y[k] = end_L[1];
       z[k] = end_L[2];
@@ -114,29 +133,18 @@ VOXNAV_INLINE std::uint8_t SurfaceSight::look(const Target& target, const Beams&
   }
   std::int32_t out = 0;
   for (int i = 0; i < kLanes; ++i) out |= all[i];
+  beams->count = 0;
   return static_cast<std::uint8_t>(out);
 }
 
-std::uint8_t SurfaceSight::look_plain(const Target& target, const Beams& beams) const { return look(target, beams); }
-VOXNAV_WIDE std::uint8_t SurfaceSight::look_wide(const Target& target, const Beams& beams) const {
-  return look(target, beams);
-}
-
-std::uint8_t SurfaceSight::octants_seen(const Target& target, Beams* beams) const {
-  beams->fill_up();
-  const std::uint8_t octants = base::is_wide() ? look_wide(target, *beams) : look_plain(target, *beams);
-  beams->count = 0;
-  return octants;
-}
-
-bool SurfaceSight::refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) const {
+VOXNAV_INLINE bool SurfaceSight::judge(const geometry::Vec3f& center, SurfaceLeaf* leaf) const {
   constexpr float kHalfDiagonal = 0.8661f;
   const Target target{center - origin_, leaf};
   const geometry::Vec3f center_L = rotation_.transpose() * target.center * (resolution_m_ * resolution_m_);
   const float shortest = target.center.norm() + guard_.end_voxels - kHalfDiagonal;
   Beams beams;
-  const auto collect = [&](const BeamImage::Row& row) {
-    beams.add(row);
+  const auto collect = [&](const BeamImage::Pixel* pixels, unsigned which) VOXNAV_INLINE_LAMBDA {
+    beams.add(pixels, which);
     if (beams.count <= Beams::kMost) return false;
     leaf->octants |= octants_seen(target, &beams);
     return leaf->octants == 0xFF;
@@ -146,6 +154,15 @@ bool SurfaceSight::refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) con
   if (static_cast<int>(count_bits(leaf->octants)) < guard_.octants) return false;
   leaf->octants = 0;
   return leaf->is_refuted_by_seeing_through(guard_.patience);
+}
+
+bool SurfaceSight::judge_plain(const geometry::Vec3f& center, SurfaceLeaf* leaf) const { return judge(center, leaf); }
+VOXNAV_WIDE bool SurfaceSight::judge_wide(const geometry::Vec3f& center, SurfaceLeaf* leaf) const {
+  return judge(center, leaf);
+}
+
+bool SurfaceSight::refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) const {
+  return base::is_wide() ? judge_wide(center, leaf) : judge_plain(center, leaf);
 }
 
 }  // namespace voxnav::occupancy
