@@ -152,7 +152,7 @@ class LocalMap {
   std::vector<ScanPart> parts_;  ///< one per thread
   BeamImage beams_;
   ScanBox box_;
-  std::vector<RayMarks> marks_;  ///< one per thread
+  RayMarks marks_;
   std::unique_ptr<base::WorkerPool> workers_;
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;
