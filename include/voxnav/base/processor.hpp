@@ -13,12 +13,10 @@
 
 #if defined(__GNUC__)
 #define VOXNAV_INLINE inline __attribute__((always_inline))
-#define VOXNAV_INLINE_LAMBDA __attribute__((always_inline))
 /// The compiler must take a local array to be in memory, and not keep it in registers.
 #define VOXNAV_IN_MEMORY(array) asm("" : "+m"(array))
 #else
 #define VOXNAV_INLINE inline
-#define VOXNAV_INLINE_LAMBDA
 #define VOXNAV_IN_MEMORY(array)
 #endif
 

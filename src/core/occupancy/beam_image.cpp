@@ -11,7 +11,7 @@ namespace {
 
 using namespace base::lanes;  // NOLINT: the vector types of this file
 
-/// Where beams fall in the image, see BeamImage::project().
+/// Where beams fall in the image, see cube_map.
 struct DrawnBatch {
   alignas(32) std::int32_t range[PointBatch::kSize];  ///< steps, rounded up; 0 = not to be drawn
   alignas(32) std::int32_t fine[PointBatch::kSize], coarse[PointBatch::kSize];
@@ -24,28 +24,18 @@ struct Ranges {
 
 template <int Side, int Ratio>
 VOXNAV_INLINE void draw(const PointBatch& batch, const Ranges& ranges, DrawnBatch* out) {
-  constexpr float kHalf = 0.5f * Side;
   constexpr int kCoarse = Side / Ratio;
-  const Floats first{}, last = first + static_cast<float>(Side - 1);
-  const Floats farthest = first + static_cast<float>(BeamImage::kMaxRange - 1);
+  const Floats zero{}, farthest = zero + static_cast<float>(BeamImage::kMaxRange - 1);
   for (std::size_t i = 0; i < PointBatch::kSize; i += kLanes) {
     const auto x = loaded<Floats>(batch.x + i), y = loaded<Floats>(batch.y + i), z = loaded<Floats>(batch.z + i);
     const Floats range_sq = x * x + y * y + z * z;
     const Ints is_drawn = (range_sq >= ranges.low_sq) & (range_sq <= ranges.high_sq);  // comparisons that NaN fails
-    const Floats steps = smaller(exact_root(is_drawn ? range_sq : first) * ranges.steps_per_m, farthest);
+    const Floats steps = smaller(exact_root(is_drawn ? range_sq : zero) * ranges.steps_per_m, farthest);
     store((1 + truncated(steps)) & is_drawn, out->range + i);
-    const Ints is_y = absolute(y) > absolute(x);
-    const Floats xy = is_y ? y : x;
-    const Ints is_z = absolute(z) > absolute(xy);
-    const Floats a = is_z ? z : xy;
-    const Floats b = is_z ? x : is_y ? z : y, c = is_z ? y : is_y ? x : z;
-    const Floats scale = kHalf / absolute(a);
-    // In this order NaN becomes the first pixel.
-    const Ints u = truncated(smaller(larger(b * scale + kHalf, first), last));
-    const Ints v = truncated(smaller(larger(c * scale + kHalf, first), last));
-    const Ints face = (is_z & 4) + (~is_z & is_y & 2) + ((a < 0.0f) & 1);
-    store((face * Side + v) * Side + u, out->fine + i);
-    store((face * kCoarse + v / Ratio) * kCoarse + u / Ratio, out->coarse + i);
+    const cube_map::Projection at = cube_map::project(x, y, z, 0.5f * Side);
+    const Ints u = cube_map::pixel(at.u, Side), v = cube_map::pixel(at.v, Side);
+    store((at.face * Side + v) * Side + u, out->fine + i);
+    store((at.face * kCoarse + v / Ratio) * kCoarse + u / Ratio, out->coarse + i);
   }
 }
 

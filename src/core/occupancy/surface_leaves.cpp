@@ -82,18 +82,6 @@ bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
   return seen_through > std::min<int>(patience, max_patience);
 }
 
-HitSpread SurfaceLeaf::spread(float least_spread) const {
-  const auto entry = [&](int i) { return static_cast<float>(covariance[i]) * kCovarianceUnit; };
-  const float least = least_spread * least_spread;
-  const float xx = entry(0) + least, xy = entry(1), xz = entry(2);
-  const float yy = entry(3) + least, yz = entry(4), zz = entry(5) + least;
-  HitSpread out{{yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy, xx * zz - xz * xz, xy * xz - xx * yz,
-                 xx * yy - xy * xy},
-                0.0f};
-  out.determinant = xx * out.adjugate[0] + xy * out.adjugate[1] + xz * out.adjugate[2];
-  return out;
-}
-
 OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
   const auto in_bytes = [](std::int16_t value) {
     return static_cast<std::int8_t>(rounded(static_cast<float>(value) * (127.0f / kMeanUnits)));
