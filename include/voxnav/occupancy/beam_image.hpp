@@ -37,7 +37,8 @@ class BeamImage {
     alignas(32) Pixel least[base::lanes::kLanes];
   };
   /// Balls around x y z (frame L); beams count when they are longer than `shortest` metres, to a step of the image's
-  /// ranges. Nothing is touched by a ball that the sensor is in or beside. Beams are believed up to longest_m() only.
+  /// ranges. A ball across an edge of the cube has only the pixels of the face that its centre is on, and nothing is
+  /// touched by a ball that the sensor is in or beside. Beams are believed up to longest_m() only.
   VOXNAV_INLINE void find(base::lanes::Floats x, base::lanes::Floats y, base::lanes::Floats z, float radius,
                           base::lanes::Floats shortest, Places* out) const;
   static constexpr int kTogether = base::lanes::kLanes;
