@@ -57,6 +57,8 @@ class OctreeBlock {
 
  private:
   VoxelBits own_free(const StateLevels& levels) const;
+  std::uint64_t free_bits(std::size_t word, const StateLevels& levels) const;
+  std::uint64_t occupied_bits(std::size_t word, const StateLevels& levels) const;
   static constexpr int kNodes = 512 + 64 + 8 + 1;
   static constexpr std::array<int, kLevels + 1> kFirst{0, 0, 512, 576, 584};
   static int node_index(int level, int x, int y, int z) {
