@@ -170,7 +170,7 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
 
 /// Blocks lie anywhere in memory; the next one comes while this one is worked on.
 void LocalMap::prefetch(std::uint32_t block) const {
-  if (block >= box_.num_blocks() || !marks_.is_crossed(block)) return;
+  if (!marks_.is_crossed(block)) return;
   if (const OctreeBlock* known = window_.at(static_cast<int>(box_.slot_of(block)))) known->prefetch();
 }
 
@@ -202,7 +202,7 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
     BlockUpdate sum;
     for (base::Share share; blocks.next(&share);) {
       for (std::size_t i = share.begin; i < share.end; ++i) {
-        prefetch(static_cast<std::uint32_t>(i + 1));
+        if (i + 1 < share.end) prefetch(static_cast<std::uint32_t>(i + 1));  // others may just make what comes then
         sum += update_slot(static_cast<std::uint32_t>(i), sight);
       }
     }
