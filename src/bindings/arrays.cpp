@@ -15,6 +15,16 @@ geometry::Pose pose_of(const py::array& array, const char* name) {
   return pose;
 }
 
+geometry::Bend bend_of(const py::object& T) {
+  geometry::Bend out;
+  if (T.is_none()) return out;
+  const double* data = data_of<double>(T.cast<py::array>(), "bend", {2, 4, 4});
+  using Rows = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>;
+  out.T_S_begin.matrix() = Rows(data);
+  out.T_S_end.matrix() = Rows(data + 16);
+  return out;
+}
+
 py::array_t<double> pose_array(const geometry::Pose& pose) {
   py::array_t<double> out({4, 4});
   Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(out.mutable_data()) = pose.matrix();

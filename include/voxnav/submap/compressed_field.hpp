@@ -30,6 +30,7 @@ class CompressedField {
     double squared = 0.0;
   };
   enum class Target { kSurfacePoint, kVoxelCube };
+  static constexpr std::uint8_t kUnknownTime = 128;  ///< of a leaf: the middle of the submap
 
   CompressedField() = default;
   /// What a local map handed over; distances are derived. O(blocks + leaves).
@@ -56,8 +57,9 @@ class CompressedField {
   /// Calls f(voxel, leaf) for every occupied voxel, in block and cell order.
   template <class F>
   void for_each_leaf(F&& f) const;
-  /// Calls f(voxel, leaf, i) for every voxel that the submap hit itself, with the mean of its own hits; i: number of
-  /// the voxel among those of for_each_leaf().
+  /// Calls f(voxel, leaf, i, time) for every voxel that the submap hit itself, with the mean of its own hits; i: number
+  /// of the voxel among those of for_each_leaf(); time: when it was hit, 0 to 255 from the submap's beginning to its
+  /// end.
   template <class F>
   void for_each_own_leaf(F&& f) const;
   /// Calls f(voxel, leaf) for the occupied voxels of the block with this index, if there is one.
@@ -214,9 +216,10 @@ void CompressedField::for_each_own_leaf(F&& f) const {
   std::size_t own = 0;
   for_each_leaf([&](const geometry::Index3& voxel, const Leaf& leaf) {
     if (has_values_) {
-      f(voxel, leaf, i);
+      f(voxel, leaf, i, kUnknownTime);
     } else if (is_own(i)) {
-      f(voxel, own_leaves_[own++], i);
+      f(voxel, own_leaves_[own], i, own_times_[own]);
+      ++own;
     }
     ++i;
   });

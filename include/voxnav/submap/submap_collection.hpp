@@ -52,7 +52,8 @@ struct SubmapEntry {
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
   geometry::Pose T_O_S = geometry::Pose::Identity();
-  geometry::Pose T_W_S = geometry::Pose::Identity();
+  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< of its middle
+  geometry::Bend bend;
   std::vector<geometry::StampedPose> T_S_B;  ///< pose history
   std::shared_ptr<const Submap> submap;
 };
@@ -68,8 +69,9 @@ class SubmapCollection {
   /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
   void add(SubmapEntry entry);
+  /// @param bend  what drift did to it while it was made
   /// @return false when there is no such submap
-  bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S);
+  bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S, const geometry::Bend& bend = {});
   bool remove(std::uint32_t id);
   void clear();
 
@@ -129,7 +131,7 @@ class SubmapCollection {
   static Key key_of(const SubmapEntry& entry) { return {entry.flight, entry.end_ns, entry.id}; }
   struct Record {
     SubmapEntry entry;
-    geometry::Pose merged_T_W_S = geometry::Pose::Identity();
+    Placement merged_at;
     bool is_merged = false;
     Knowledge merged = Knowledge::kOwn;    ///< what counts of it where it is the oldest
     std::vector<geometry::Index3> blocks;  ///< footprint where it is merged

@@ -5,12 +5,6 @@ namespace voxnav::submap {
 
 using geometry::Index3;
 
-namespace {
-
-constexpr std::uint8_t kUnknownTime = 128;  // the middle of the submap
-
-}  // namespace
-
 void CompressedField::write(base::ByteWriter* out) const {
   out->put(band_);
   out->put<std::uint64_t>(blocks_.size());

@@ -69,7 +69,7 @@ void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, const P
     const bool is_free = free.is_free(leaf);
     if (!is_free && !leaf.is_doubted) continue;
     const Vec3 p_W = point_of(index, leaf);
-    if (submap.has_surface_within(p_W, rules_.clearing_distance_m)) {
+    if (free.has_surface_within(p_W, rules_.clearing_distance_m)) {
       leaf.is_doubted = false;
     } else if (is_free) {
       leaf.is_doubted = leaf.is_doubted || is_near_enough(submap, p_W, leaf);
@@ -93,7 +93,7 @@ void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, co
     // Below it is free space, or the ground that something stood on.
     if (!has_below(open, leaf) && !free.is_free_below(leaf)) {
       const Vec3 below_W = point_of(index, leaf) - Vec3(0.0, 0.0, rules_.resolution_m);
-      if (!submap.has_surface_within(below_W, rules_.resolution_m)) return false;
+      if (!free.has_surface_within(below_W, rules_.resolution_m)) return false;
     }
     remember_gone(leaf, submap.id(), block);
     return true;

@@ -25,6 +25,15 @@ std::uint8_t range_byte(const std::optional<double>& range_m) {
   return range_m ? static_cast<std::uint8_t>(std::min(255.0, 2.0 * *range_m)) : std::uint8_t{255};
 }
 
+/// Of what was seen at each time of the submap, 0 to 255; the same for all unless it is bent.
+std::vector<Pose> poses_over_time(const Placement& placement, const Pose& T_S_G) {
+  std::vector<Pose> out(256, placement.T_W_S * T_S_G);
+  if (placement.bend.is_rigid()) return out;
+  for (std::size_t time = 0; time < out.size(); ++time)
+    out[time] = placement.T_W_S * placement.bend.at(static_cast<double>(time) / 255.0) * T_S_G;
+  return out;
+}
+
 bool turns_about_vertical(const Pose& T) {
   constexpr double kLevel = 1e-5;  // a tenth of a millimetre over ten metres
   const Eigen::Matrix3d R = T.linear();
@@ -33,17 +42,19 @@ bool turns_about_vertical(const Pose& T) {
 
 }  // namespace
 
-PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m,
+PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Placement& placement, double resolution_m,
                            Knowledge knowledge, std::vector<Vec3> viewpoints_W)
     : field_(submap.field()),
       submap_resolution_m_(submap.resolution_m()),
       id_(id),
       knowledge_(knowledge),
       resolution_m_(resolution_m),
-      T_W_G_(T_W_S * submap.T_S_G()),
-      T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
+      T_S_G_(submap.T_S_G()),
+      placement_(placement),
       viewpoints_W_(std::move(viewpoints_W)),
-      is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
+      is_level_(turns_about_vertical(placement.T_W_S * T_S_G_) && turns_about_vertical(placement.bend.T_S_begin) &&
+                turns_about_vertical(placement.bend.T_S_end) && submap.resolution_m() == resolution_m) {
+  if (knowledge == Knowledge::kAll) placement_.bend = {};
   free_.resize(field_->num_blocks());
   sort_leaves(submap.thin_leaves());
 }
@@ -55,17 +66,17 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
   };
   std::vector<Placed> placed;
   placed.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
-  const Eigen::Matrix3d R = T_W_G_.linear() * (submap_resolution_m_ / resolution_m_);
-  const Vec3 t = T_W_G_.translation() / resolution_m_;
+  const std::vector<Pose> T_W_G = poses_over_time(placement_, T_S_G_);
   Index3 last{1 << 30, 0, 0};
   Group* group = nullptr;
-  const auto place = [&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i) {
-    const Vec3 p = R * surface_point(voxel, leaf) + t;
+  const auto place = [&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i, std::uint8_t time) {
+    const Vec3 p = T_W_G[time] * (surface_point(voxel, leaf) * submap_resolution_m_) / resolution_m_;
     const Index3 at = floor_index(p);
     const Index3 block = geometry::block_of(at);
     if (block != last) group = &groups_[block];
     last = block;
     ++group->count;
+    group->time_sum += time;
     const Vec3 mean = p - geometry::center_of(at, 1.0);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
     const std::array<std::int8_t, 3> bytes{mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())};
@@ -77,7 +88,9 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
     field_->for_each_own_leaf(place);
   } else {
     std::size_t i = 0;
-    field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) { place(voxel, leaf, i++); });
+    field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) {
+      place(voxel, leaf, i++, CompressedField::kUnknownTime);
+    });
   }
   std::uint32_t next = 0;
   for (auto& item : groups_) {
@@ -87,6 +100,21 @@ void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
   }
   leaves_.resize(placed.size());
   for (const Placed& item : placed) leaves_[item.group->first + item.group->count++] = item.leaf;
+}
+
+/// For what is not a surface point and so has no time of its own: as the surface points of the same block, or of those
+/// below, lie on average.
+Pose PlacedSubmap::T_G_W_at(const Index3& block) const {
+  Pose T_W_S = placement_.T_W_S;
+  if (!placement_.bend.is_rigid()) {
+    for (const int step : {0, -1, -2, 1}) {
+      const auto found = groups_.find(block + Index3{0, 0, step});
+      if (found == groups_.end()) continue;
+      T_W_S = T_W_S * placement_.bend.at(found->second.time_sum / (255.0 * found->second.count));
+      break;
+    }
+  }
+  return (T_W_S * T_S_G_).inverse(Eigen::Isometry);
 }
 
 PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
@@ -120,9 +148,10 @@ void PlacedSubmap::add_free(const Index3& block, Columns* free) const {
 
 /// Columns of W are columns of G, all shifted alike.
 void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
-  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / resolution_m_;
-  const Vec3 step_x = T_G_W_.linear().col(0);
-  const Vec3 step_y = T_G_W_.linear().col(1);
+  const Pose T_G_W = T_G_W_at(block);
+  const Vec3 first = T_G_W * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / resolution_m_;
+  const Vec3 step_x = T_G_W.linear().col(0);
+  const Vec3 step_y = T_G_W.linear().col(1);
   const Index3 lowest = floor_index(first);
   const int shift = lowest.z & (kBlockSide - 1);
   Index3 at{1 << 30, 0, lowest.z >> geometry::kBlockShift};
@@ -148,8 +177,9 @@ void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
 
 void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
   const double v_G = submap_resolution_m_;
-  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
-  const Eigen::Matrix3d step = T_G_W_.linear() * (resolution_m_ / v_G);
+  const Pose T_G_W = T_G_W_at(block);
+  const Vec3 first = T_G_W * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
+  const Eigen::Matrix3d step = T_G_W.linear() * (resolution_m_ / v_G);
   for (int column = 0; column < kBlockSide * kBlockSide; ++column) {
     Vec3 p = first + step * Vec3(column & 15, column >> 4, 0);
     for (int z = 0; z < kBlockSide; ++z, p += step.col(2)) {
@@ -160,9 +190,11 @@ void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
 }
 
 PlacedSubmap::FreeInBlock::FreeInBlock(const PlacedSubmap& submap, const Index3& block)
-    : submap_(&submap), R_G_W_(submap.T_G_W_.linear() * (submap.resolution_m_ / submap.submap_resolution_m_)) {
+    : submap_(&submap),
+      T_G_W_(submap.T_G_W_at(block)),
+      R_G_W_(T_G_W_.linear() * (submap.resolution_m_ / submap.submap_resolution_m_)) {
   const Vec3 first(block.x, block.y, block.z);
-  origin_G_ = R_G_W_ * (first * kBlockSide) + submap.T_G_W_.translation() / submap.submap_resolution_m_;
+  origin_G_ = R_G_W_ * (first * kBlockSide) + T_G_W_.translation() / submap.submap_resolution_m_;
   // The lowest corner of the block and of the voxels below it.
   const Eigen::Matrix3d lowest = (R_G_W_ * kBlockSide).cwiseMin(0.0);
   first_G_ = geometry::block_of(floor_index(origin_G_ + lowest.rowwise().sum() - R_G_W_.col(2).cwiseMax(0.0)));
@@ -180,8 +212,9 @@ bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
   return free_[at] && (((*free_[at])[static_cast<std::size_t>(column)] >> (voxel.z & 15)) & 1) != 0;
 }
 
-bool PlacedSubmap::has_surface_within(const Vec3& p_W, double distance_m) const {
-  return field_->has_own_surface_within(T_G_W_ * p_W / submap_resolution_m_, distance_m / submap_resolution_m_);
+bool PlacedSubmap::FreeInBlock::has_surface_within(const Vec3& p_W, double distance_m) const {
+  const double v_G = submap_->submap_resolution_m_;
+  return submap_->field_->has_own_surface_within(T_G_W_ * p_W / v_G, distance_m / v_G);
 }
 
 std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
@@ -191,22 +224,50 @@ std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
   return std::sqrt(squared);
 }
 
-std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m, Knowledge knowledge) {
-  const Pose T_W_G = T_W_S * submap.T_S_G();
+namespace {
+
+/// Boxes around the blocks of a submap: all blocks are turned alike, so that of the first one, moved.
+class PlacedBox {
+ public:
+  PlacedBox(const Pose& T_W_G, double side_G)
+      : T_W_G_(T_W_G), side_G_(side_G), unit_(geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G)) {
+    unit_.min -= T_W_G.translation();
+    unit_.max -= T_W_G.translation();
+  }
+  void extend(const Index3& block, geometry::Aabb* box) const {
+    const Vec3 origin = T_W_G_ * (Vec3(block.x, block.y, block.z) * side_G_);
+    box->extend(origin + unit_.min);
+    box->extend(origin + unit_.max);
+  }
+
+ private:
+  Pose T_W_G_;
+  double side_G_;
+  geometry::Aabb unit_;
+};
+
+}  // namespace
+
+std::vector<Pose> extremes(const Placement& placement) {
+  if (placement.bend.is_rigid()) return {placement.T_W_S};
+  return {placement.T_W_S, placement.T_W_S * placement.bend.T_S_begin, placement.T_W_S * placement.bend.T_S_end};
+}
+
+std::vector<Index3> footprint(const Submap& submap, const Placement& placement, double resolution_m,
+                              Knowledge knowledge) {
   const double side_G = kBlockSide * submap.resolution_m();
   const double side_W = kBlockSide * resolution_m;
   std::vector<Index3> out;
   const auto field = submap.field();
-  // All blocks are turned alike: the box around the first one is that of any other, moved.
-  const geometry::Aabb unit = geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G);
-  const Vec3 low_corner = unit.min - T_W_G.translation();
-  const Vec3 high_corner = unit.max - T_W_G.translation();
+  std::vector<PlacedBox> boxes;
+  for (const Pose& T_W_S : extremes(placement)) boxes.emplace_back(T_W_S * submap.T_S_G(), side_G);
   for (std::size_t i = 0; i < field->num_blocks(); ++i) {
     if (knowledge == Knowledge::kOwn && !field->has_own(i)) continue;
     const Index3& block = field->block_index(i);
-    const Vec3 origin = T_W_G * (Vec3(block.x, block.y, block.z) * side_G);
-    const Index3 low = floor_index((origin + low_corner) / side_W);
-    const Index3 high = floor_index((origin + high_corner) / side_W);
+    geometry::Aabb box;
+    for (const PlacedBox& placed : boxes) placed.extend(block, &box);
+    const Index3 low = floor_index(box.min / side_W);
+    const Index3 high = floor_index(box.max / side_W);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});

@@ -18,7 +18,6 @@ using geometry::Vec3;
 
 /// How far the corners of a box move between two poses.
 double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
-  if (box.empty()) return 0.0;
   double largest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p((corner & 1) ? box.max.x() : box.min.x(), (corner & 2) ? box.max.y() : box.min.y(),
@@ -26,6 +25,21 @@ double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
     largest = std::max(largest, (a * p - b * p).norm());
   }
   return largest;
+}
+
+double largest_move(const geometry::Aabb& box, const Placement& a, const Placement& b) {
+  if (box.empty()) return 0.0;
+  return std::max({largest_move(box, a.T_W_S, b.T_W_S),
+                   largest_move(box, a.T_W_S * a.bend.T_S_begin, b.T_W_S * b.bend.T_S_begin),
+                   largest_move(box, a.T_W_S * a.bend.T_S_end, b.T_W_S * b.bend.T_S_end)});
+}
+
+void check_bend(const geometry::Bend& bend) {
+  constexpr double kMost_m = 100.0;
+  for (const Pose& T : {bend.T_S_begin, bend.T_S_end}) {
+    if (!geometry::is_valid(T) || T.translation().norm() > kMost_m)
+      throw std::invalid_argument("a bend must be made of finite rigid transforms of less than 100 m");
+  }
 }
 
 void check_pose(const Pose& T_W_S) {
@@ -70,6 +84,7 @@ SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
 void SubmapCollection::add(SubmapEntry entry) {
   if (!entry.submap) throw std::invalid_argument("a submap entry needs a submap");
   check_pose(entry.T_W_S);
+  check_bend(entry.bend);
   check_extent(*entry.submap, entry.T_W_S, config_.resolution_m);
   remove(entry.id);
   const Key key = key_of(entry);
@@ -90,11 +105,14 @@ void SubmapCollection::enforce_limits() {
   }
 }
 
-bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S) {
+bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S, const geometry::Bend& bend) {
   check_pose(T_W_S);
+  check_bend(bend);
   Record* found = record(id);
-  if (found) found->entry.T_W_S = T_W_S;
-  return found != nullptr;
+  if (!found) return false;
+  found->entry.T_W_S = T_W_S;
+  found->entry.bend = bend;
+  return true;
 }
 
 bool SubmapCollection::remove(std::uint32_t id) {
@@ -135,7 +153,8 @@ Knowledge SubmapCollection::knowledge_of(const SubmapEntry& entry) const {
 
 bool SubmapCollection::has_changed(const Record& r) const {
   return r.merged != knowledge_of(r.entry) ||
-         largest_move(r.entry.submap->known_bounds(), r.entry.T_W_S, r.merged_T_W_S) > config_.pose_tolerance_m;
+         largest_move(r.entry.submap->known_bounds(), {r.entry.T_W_S, r.entry.bend}, r.merged_at) >
+             config_.pose_tolerance_m;
 }
 
 /// Takes a submap out of the merge; its blocks have to be rebuilt.
@@ -152,10 +171,10 @@ void SubmapCollection::forget(Record* r, std::vector<Index3>* stale) {
 }
 
 void SubmapCollection::append(const Key& key, Record* r) {
-  r->merged_T_W_S = r->entry.T_W_S;
+  r->merged_at = {r->entry.T_W_S, r->entry.bend};
   r->is_merged = true;
   r->merged = knowledge_of(r->entry);
-  r->blocks = footprint(*r->entry.submap, r->entry.T_W_S, config_.resolution_m, r->merged);
+  r->blocks = footprint(*r->entry.submap, r->merged_at, config_.resolution_m, r->merged);
   for (const Index3& block : r->blocks) {
     std::vector<Key>& keys = by_block_[block];
     keys.insert(std::lower_bound(keys.begin(), keys.end(), key), key);
@@ -181,8 +200,8 @@ void SubmapCollection::integrate(std::map<Key, std::vector<Index3>> work) {
 
 void SubmapCollection::integrate(Record* r, Knowledge knowledge, const std::vector<Index3>& blocks) {
   if (blocks.empty()) return;
-  const PlacedSubmap placed(*r->entry.submap, r->entry.id, r->merged_T_W_S, config_.resolution_m, knowledge,
-                            viewpoints(r->entry.T_S_B, r->merged_T_W_S));
+  const PlacedSubmap placed(*r->entry.submap, r->entry.id, r->merged_at, config_.resolution_m, knowledge,
+                            viewpoints(r->entry.T_S_B, r->merged_at.T_W_S));
   for (const Index3& block : blocks) evidence_.integrate(block, placed);
 }
 

@@ -29,10 +29,10 @@ def _is_truck(points, T_W_V, margin_m, lowest_m):
     return inside & (p[:, 2] > lowest_m) & (p[:, 2] < 4.0)
 
 
-def _map_of(submaps, T_W_S_by_id):
+def _map_of(submaps, T_W_S_by_id, bends):
     collection = voxnav.SubmapCollection()
     for record, submap in submaps:
-        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s)
+        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
     return collection, collection.occupied_points().astype(np.float64)
 
 
@@ -63,11 +63,11 @@ def evaluate(seed, drift_m):
     first = [item for item in flight.submaps if item[0].end_s < moved_at_s[0]]
     rows, true = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6), solved.T_true
     out = []
-    for name, poses, T_est, slack_m in (
-            ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, flight.T_O_B[rows], drift_m),
-            ("corrected", solved.session.graph.poses(), solved.T_W_B, 0.0)):
-        old = aligned_surface(_map_of(first, poses)[1], T_est, true)
-        collection, points = _map_of(flight.submaps, poses)
+    for name, poses, bends, T_est, slack_m in (
+            ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
+            ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)):
+        old = aligned_surface(_map_of(first, poses, bends)[1], T_est, true)
+        collection, points = _map_of(flight.submaps, poses, bends)
         points = aligned_surface(points, T_est, true)
         truck = _is_truck(old, trucks[0], 0.3, 0.3)
         static = ~(_is_truck(old, trucks[0], 1.5, -1.0) | _is_truck(old, trucks[1], 1.5, -1.0))

@@ -71,7 +71,7 @@ class OfflineMapper:
         with self.stages.time("graph, final solve"):
             report = self.session.optimize(full=True)
         self.counts["solves"] += 1
-        self.collection.set_poses(self.session.graph.poses())
+        self.collection.set_poses(self.session.graph.poses(), self.session.bends())
         return report
 
     def _add_scan(self, scan):
@@ -151,7 +151,7 @@ class OfflineMapper:
         poses = self.session.graph.poses()
         with self.stages.time("collection"):
             self.collection.add(handover.submap_id, submap, poses[handover.submap_id], stamps[-1])
-            self.collection.set_poses(poses)
+            self.collection.set_poses(poses, self.session.bends())
         self.counts["submaps"] += 1
         self.counts["solves"] += 1
 
