@@ -40,6 +40,11 @@ const T* data_of(const py::array& array, const char* name, const std::vector<py:
 
 /// 4x4 float64, a rigid transform.
 geometry::Pose pose_of(const py::array& array, const char* name);
+/// (n, 4, 4), rigid.
+std::vector<geometry::Pose> poses_of(const py::array& array, const char* name);
+/// (n,) seconds and (n, 4, 4).
+std::vector<geometry::StampedPose> stamped_poses_of(const py::array& stamps_s, const py::array& poses,
+                                                    const char* name);
 py::array_t<double> pose_array(const geometry::Pose& pose);
 /// (2, 4, 4); None is rigid.
 geometry::Bend bend_of(const py::object& T);

@@ -158,17 +158,6 @@ void bind_submap_graph(py::module_& m) {
                  "Raises ValueError naming line and fault.");
 }
 
-std::vector<geometry::Pose> poses_of(const py::array& array, const char* name) {
-  const double* data = data_of<double>(array, name, {-1, 4, 4});
-  std::vector<geometry::Pose> out(static_cast<std::size_t>(array.shape(0)));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data + 16 * i);
-    if (!geometry::is_valid(out[i]))
-      throw py::value_error(std::string(name) + ": row " + std::to_string(i) + " is no rigid transform");
-  }
-  return out;
-}
-
 std::vector<graph::SubmapCorrection> corrections_of(const py::array& spans_s, const py::array& T_O_S,
                                                     const py::array& T_W_S) {
   const std::vector<geometry::Pose> from = poses_of(T_O_S, "T_O_S");
@@ -188,12 +177,9 @@ void append(const geometry::Pose& pose, std::vector<double>* out) {
 
 py::array_t<double> correct_trajectory(const py::array& stamps_s, const py::array& T_O_B, const py::array& spans_s,
                                        const py::array& T_O_S, const py::array& T_W_S) {
-  const std::vector<geometry::Pose> odometry = poses_of(T_O_B, "T_O_B");
-  const double* stamps = data_of<double>(stamps_s, "stamps_s", {static_cast<py::ssize_t>(odometry.size())});
-  std::vector<geometry::StampedPose> trajectory(odometry.size());
-  for (std::size_t i = 0; i < odometry.size(); ++i) trajectory[i] = {base::from_seconds(stamps[i]), odometry[i]};
+  const std::vector<geometry::StampedPose> trajectory = stamped_poses_of(stamps_s, T_O_B, "T_O_B");
   std::vector<double> out;
-  out.reserve(16 * odometry.size());
+  out.reserve(16 * trajectory.size());
   const auto corrected = graph::correct_trajectory(trajectory, corrections_of(spans_s, T_O_S, T_W_S));
   for (const geometry::StampedPose& pose : corrected) append(pose.pose, &out);
   return array_from(std::move(out), 0).attr("reshape")(-1, 4, 4).cast<py::array_t<double>>();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -91,6 +93,10 @@ class CompressedField {
   /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own
   /// hits. Measured fields (has_values) remember nothing, so they are returned as they are. O(size).
   CompressedField own_surface() const;
+  /// Gives every surface point of an own surface another place in its voxel: f(voxel, leaf, time) returns it from the
+  /// voxel centre, in edges; what lies outside is drawn in.
+  template <class F>
+  void move_points(F&& f);
   /// When a leaf of an own surface was seen, as a share of the submap's time; one half where that is not known.
   float phase_of(const Leaf* leaf) const {
     const bool is_known = own_times_.size() == leaves_.size();
@@ -223,6 +229,19 @@ void CompressedField::for_each_own_leaf(F&& f) const {
     }
     ++i;
   });
+}
+
+template <class F>
+void CompressedField::move_points(F&& f) {
+  std::vector<Leaf> moved = leaves_;
+  std::size_t i = 0;
+  for_each_leaf([&](const geometry::Index3& voxel, const Leaf& leaf) {
+    const geometry::Vec3 mean = f(voxel, leaf, own_times_[i]);
+    for (int k = 0; k < 3; ++k)
+      moved[i].mean[k] = static_cast<std::int8_t>(std::lround(std::min(127.0, std::max(-127.0, mean[k] * 254.0))));
+    ++i;
+  });
+  leaves_ = own_leaves_ = std::move(moved);
 }
 
 template <class F>

@@ -64,6 +64,9 @@ class FieldWindow {
   std::vector<Point> points_;
 };
 
+/// Numbers of the leaves that lie in the block itself.
+std::vector<std::uint16_t> leaves_of_block(const FieldWindow& window);
+
 /// What is known of the surface in a voxel.
 struct LeafNormal {
   geometry::Vec3f normal{0.f, 0.f, 0.f};  ///< unit, towards free space, frame G; zero where nothing free is near

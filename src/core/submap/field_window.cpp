@@ -104,4 +104,13 @@ void FieldWindow::take_leaves(const CompressedField& field, const OccupiedCell& 
   }
 }
 
+std::vector<std::uint16_t> leaves_of_block(const FieldWindow& window) {
+  std::vector<std::uint16_t> out;
+  for (std::size_t k = 0; k < window.leaves().size(); ++k) {
+    const WindowLeaf& leaf = window.leaves()[k];
+    if (((leaf.x | leaf.y | leaf.z) & ~15) == 0) out.push_back(static_cast<std::uint16_t>(k));
+  }
+  return out;
+}
+
 }  // namespace voxnav::submap

@@ -32,7 +32,7 @@ def solve(flight, graph_config=None, optimizer_config=None):
     """Feed the submaps to a session in order, solving after each, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
     for record, submap in flight.submaps:
-        session.add_submap(record, submap.registration_field())
+        session.add_submap(record, submap.registration_field(record.stamps_s, record.T_S_B))
         reports.append(session.optimize())
         stamps, poses = session.trajectory()
         rows = np.searchsorted(flight.stamps_s, stamps - 1e-6)

@@ -35,9 +35,11 @@ def record_from_msg(msg):
                         poses)
 
 
-def field_from_msg(msg):
+def field_from_msg(msg, record):
     """What the submap is registered by, or None when the message carries none. Raises ValueError for damaged bytes."""
-    return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field() if len(msg.data) else None
+    if not len(msg.data):
+        return None
+    return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field(record.stamps_s, record.T_S_B)
 
 
 def loop_from_msg(msg):

@@ -146,7 +146,7 @@ class OfflineMapper:
         stamps = handover.pose_stamps
         with self.stages.time("graph"):
             self.session.add_submap(SubmapRecord(handover.submap_id, stamps[0], stamps[-1], handover.T_O_S, stamps,
-                                                 handover.T_S_B), submap.registration_field())
+                                                 handover.T_S_B), submap.registration_field(stamps, handover.T_S_B))
             self.session.optimize()
         poses = self.session.graph.poses()
         with self.stages.time("collection"):

@@ -18,7 +18,8 @@ namespace {
 constexpr double kVoxel = 0.4;
 const Pose kT_S_G = geometry::from_position_yaw({0.13, -0.3, 0.1}, 0.4);
 const Pose kT_W_S = geometry::from_position_yaw({12.0, -3.0, 1.0}, -0.9);
-const Bend kBend{geometry::from_position_yaw({-0.5, 0.2, 0.05}, 0.02), geometry::from_position_yaw({0.4, 0.3, 0.0}, -0.03)};
+const Bend kBend{geometry::from_position_yaw({-0.5, 0.2, 0.05}, 0.02),
+                 geometry::from_position_yaw({0.4, 0.3, 0.0}, -0.03)};
 
 /// Ground and posts on it along x, seen from one end to the other while time passes; free space above.
 occupancy::MapContent passage() {
