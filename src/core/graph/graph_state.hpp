@@ -141,8 +141,7 @@ int recognise_places(GraphState* state, OptimizeReport* report);
 void update_pairs(GraphState* state, bool is_full, OptimizeReport* report);
 
 /// Renews the models of pairs that have moved since theirs were made.
-/// @return false when the budget of evaluations ran out
-bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int max_evaluations, OptimizeReport* report);
+void linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, OptimizeReport* report);
 
 /// Cost of one pair at its present relative pose, from its model.
 double pair_cost(const RegistrationPair& pair, const Pose4& T_A_B);

@@ -229,14 +229,12 @@ void update_pairs(GraphState* state, bool is_full, OptimizeReport* report) {
   }
 }
 
-bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int max_evaluations,
-                     OptimizeReport* report) {
+void linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, OptimizeReport* report) {
   constexpr double kToleranceVoxels = 0.02;
   for (auto& [ids, pair] : state->pairs) {
     if (!pair.is_active) continue;
     const Pose4 T_A_B = seen_relative(*state, poses, pair);
     if (motion_m(pair.model.T_A_B, T_A_B, pair.model.radius_m) < state->kernel_m(pair, kToleranceVoxels)) continue;
-    if (report->num_pair_evaluations >= max_evaluations) return false;
     ++report->num_pair_evaluations;
     const double fine_m = state->kernel_m(pair, state->config.fine_kernel_voxels);
     set_model(
@@ -244,7 +242,6 @@ bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int m
         evaluate_pair(state->nodes.at(pair.a).sample, state->nodes.at(pair.b).sample, pair.overlap, T_A_B, fine_m),
         &pair);
   }
-  return true;
 }
 
 }  // namespace voxnav::graph

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trunks are seen from in front before they are passed and from behind after: registered as they were hit, they go along.
+// Trunks are seen from in front before they are passed and from behind after: registered as they were hit, they go
+// along.
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
