@@ -52,9 +52,6 @@ class CompressedField {
   std::optional<float> value(const geometry::Index3& voxel) const;
   /// Nearest occupied thing within `max_distance` of p, exact. O(blocks within reach).
   std::optional<Nearest> nearest(const geometry::Vec3& p, double max_distance, Target target) const;
-  /// Whether a surface point that the submap hit itself is nearer to p than `distance`. O(cells of 4^3 voxels within
-  /// reach): for small distances much cheaper than nearest().
-  bool has_own_surface_within(const geometry::Vec3& p, double distance) const;
 
   /// Calls f(voxel, leaf) for every occupied voxel, in block and cell order.
   template <class F>
@@ -64,6 +61,14 @@ class CompressedField {
   /// end.
   template <class F>
   void for_each_own_leaf(F&& f) const;
+  /// The same for one block, the i-th: f(offset, leaf, n) with the offset of the voxel and n of all leaves, and time
+  /// for own ones.
+  template <class F>
+  void for_each_leaf_of(std::size_t i, F&& f) const {
+    for_each_leaf_of(blocks_[i], f);
+  }
+  template <class F>
+  void for_each_own_leaf_of(std::size_t i, F&& f) const;
   /// Calls f(voxel, leaf) for the occupied voxels of the block with this index, if there is one.
   template <class F>
   void for_each_leaf_in(const geometry::Index3& index, F&& f) const;
@@ -162,8 +167,7 @@ class CompressedField {
   void shrink();
   void link();
   const Block* find(const geometry::Index3& index) const;
-  const Leaf* own_leaf(std::size_t leaf) const;
-  bool has_own_point_within(const Block& block, int cell, const geometry::Vec3& p, double squared) const;
+  std::size_t num_own_before(std::size_t leaf) const;
   void search_near_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void search_block(const Block& block, const geometry::Vec3& p, Target target, Nearest* best) const;
   void place_records(const base::ByteReader& in);
@@ -200,12 +204,11 @@ void CompressedField::for_each_leaf_of(const Block& block, F&& f) const {
   for (std::uint64_t cells = block.occupied_cells; cells != 0; cells &= cells - 1) {
     const int cell = __builtin_ctzll(cells);
     const std::size_t near = block.first_near + block.codes[cell] - kFirstNear;
-    std::uint32_t leaf = first_leaf_[near];
+    std::size_t leaf = first_leaf_[near];
     for (int word = 0; word < 2; ++word) {
       for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0;
-           occupied &= occupied - 1) {
-        const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
-        f(geometry::voxel_at(block.index, offset_of(cell, voxel)), leaves_[leaf++]);
+           occupied &= occupied - 1, ++leaf) {
+        f(offset_of(cell, 32 * word + (__builtin_ctzll(occupied) >> 1)), leaves_[leaf], leaf);
       }
     }
   }
@@ -213,22 +216,35 @@ void CompressedField::for_each_leaf_of(const Block& block, F&& f) const {
 
 template <class F>
 void CompressedField::for_each_leaf(F&& f) const {
-  for (const Block& block : blocks_) for_each_leaf_of(block, f);
+  for (const Block& block : blocks_) {
+    for_each_leaf_of(
+        block, [&](int offset, const Leaf& leaf, std::size_t) { f(geometry::voxel_at(block.index, offset), leaf); });
+  }
+}
+
+template <class F>
+void CompressedField::for_each_own_leaf_of(std::size_t i, F&& f) const {
+  const Block& block = blocks_[i];
+  if (block.occupied_cells == 0) return;
+  if (has_values_) {
+    for_each_leaf_of(block, [&](int offset, const Leaf& leaf, std::size_t n) { f(offset, leaf, n, kUnknownTime); });
+    return;
+  }
+  std::size_t own = num_own_before(first_leaf_[block.first_near]);
+  for_each_leaf_of(block, [&](int offset, const Leaf&, std::size_t leaf) {
+    if (!is_own(leaf)) return;
+    f(offset, own_leaves_[own], leaf, own_times_[own]);
+    ++own;
+  });
 }
 
 template <class F>
 void CompressedField::for_each_own_leaf(F&& f) const {
-  std::size_t i = 0;
-  std::size_t own = 0;
-  for_each_leaf([&](const geometry::Index3& voxel, const Leaf& leaf) {
-    if (has_values_) {
-      f(voxel, leaf, i, kUnknownTime);
-    } else if (is_own(i)) {
-      f(voxel, own_leaves_[own], i, own_times_[own]);
-      ++own;
-    }
-    ++i;
-  });
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    for_each_own_leaf_of(i, [&](int offset, const Leaf& leaf, std::size_t n, std::uint8_t time) {
+      f(geometry::voxel_at(blocks_[i].index, offset), leaf, n, time);
+    });
+  }
 }
 
 template <class F>
@@ -247,7 +263,9 @@ void CompressedField::move_points(F&& f) {
 template <class F>
 void CompressedField::for_each_leaf_in(const geometry::Index3& index, F&& f) const {
   const Block* block = find(index);
-  if (block) for_each_leaf_of(*block, f);
+  if (!block) return;
+  for_each_leaf_of(*block,
+                   [&](int offset, const Leaf& leaf, std::size_t) { f(geometry::voxel_at(index, offset), leaf); });
 }
 
 template <class F>

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "voxnav/submap/voxel_walk.hpp"
-
 namespace voxnav::submap {
 namespace {
 
@@ -163,43 +161,6 @@ void CompressedField::search_block(const Block& block, const Vec3& p, Target tar
       }
     }
   }
-}
-
-bool CompressedField::has_own_point_within(const Block& block, int cell, const Vec3& p, double squared) const {
-  const std::size_t near = block.first_near + block.codes[static_cast<std::size_t>(cell)] - kFirstNear;
-  std::uint32_t leaf = first_leaf_[near];
-  const Index3 first = geometry::voxel_at(block.index, offset_of(cell, 0));
-  const Vec3 from = p - Vec3(first.x, first.y, first.z);
-  for (int word = 0; word < 2; ++word) {
-    for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0; occupied &= occupied - 1) {
-      const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
-      const Index3 inside{voxel & 3, (voxel >> 2) & 3, voxel >> 4};
-      const Leaf* own = own_leaf(leaf++);
-      if (own && (from - surface_point(inside, *own)).squaredNorm() < squared) return true;
-    }
-  }
-  return false;
-}
-
-bool CompressedField::has_own_surface_within(const Vec3& p, double distance) const {
-  constexpr int kCellShift = 2;
-  const Index3 low = floor_index(p - Vec3::Constant(distance)), high = floor_index(p + Vec3::Constant(distance));
-  Index3 at{1 << 30, 0, 0};
-  const Block* block = nullptr;
-  Index3 cell;
-  for (cell.z = low.z >> kCellShift; cell.z <= high.z >> kCellShift; ++cell.z) {
-    for (cell.y = low.y >> kCellShift; cell.y <= high.y >> kCellShift; ++cell.y) {
-      for (cell.x = low.x >> kCellShift; cell.x <= high.x >> kCellShift; ++cell.x) {
-        const Index3 index{cell.x >> kCellShift, cell.y >> kCellShift, cell.z >> kCellShift};
-        if (index != at) block = find(index);
-        at = index;
-        const int i = (cell.x & 3) | (cell.y & 3) << 2 | (cell.z & 3) << 4;
-        if (!block || ((block->occupied_cells >> i) & 1u) == 0) continue;
-        if (has_own_point_within(*block, i, p, distance * distance)) return true;
-      }
-    }
-  }
-  return false;
 }
 
 void CompressedField::search_near_block(const Block& block, const Vec3& p, Target target, Nearest* best) const {

@@ -64,12 +64,10 @@ void CompressedField::add_own_free(int cell, std::uint64_t own, const CellStates
   }
 }
 
-/// The submap's own hits of an occupied voxel, if there are any.
-const CompressedField::Leaf* CompressedField::own_leaf(std::size_t leaf) const {
-  if (has_values_) return &leaves_[leaf];
-  if (!is_own(leaf)) return nullptr;
+/// So many leaves before this one the submap hit itself.
+std::size_t CompressedField::num_own_before(std::size_t leaf) const {
   const std::uint64_t below = own_bits_[leaf >> 6] & ((std::uint64_t{1} << (leaf & 63)) - 1);
-  return &own_leaves_[own_before_[leaf >> 6] + static_cast<std::size_t>(count(below))];
+  return own_before_[leaf >> 6] + static_cast<std::size_t>(count(below));
 }
 
 bool CompressedField::has_own_leaf(const Block& block) const {

@@ -249,9 +249,12 @@ std::vector<Index3> SubmapCollection::update() {
   sort_unique(&stale);
   std::map<Key, std::vector<Index3>> work;
   for (const Index3& block : stale) {
-    evidence_.clear_block(block);
     const auto found = by_block_.find(block);
-    if (found == by_block_.end()) continue;
+    if (found == by_block_.end()) {
+      evidence_.clear_block(block);
+      continue;
+    }
+    evidence_.reset_block(block);
     for (const Key& key : found->second) work[key].push_back(block);
   }
   std::vector<Index3> changed = stale;
