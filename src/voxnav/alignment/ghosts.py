@@ -84,8 +84,8 @@ def evaluate(seed, drift_m, picture=None):
                     float(np.mean(gap_m > _LOST_M + slack_m)), _changes(collection, T_est, true, trucks)))
         if picture and name == "corrected":
             corners = [_corners(T) for T in trucks]
-            draw_places(picture, {"before it drove away": (old, corners[:1]), "after the second round": (points, corners)},
-                        world)
+            draw_places(picture, {"before it drove away": (old, corners[:1]),
+                                  "after the second round": (points, corners)}, world)
     return out
 
 
