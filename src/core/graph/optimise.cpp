@@ -183,6 +183,7 @@ OptimizeReport optimise(GraphState* state, bool is_full) {
   // First the pose graph with each new pair as registered by itself, which may be metres away from here.
   solve_factors(*state, state->config.robust_width, &guess);
   judge_loops(state, is_full, &guess);
+  update_sways(state, guess.poses);
   Descent descent(state, max_evaluations, &report);
   const std::vector<KindReport> before = descent.start(input, guess);
   descent.run();

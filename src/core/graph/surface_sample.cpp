@@ -13,6 +13,7 @@ namespace {
 
 using geometry::SurfacePoint;
 
+constexpr double kPhaseCell_m = 1.6;
 constexpr float kUprightNormalZ = 0.7f;  // 45 degrees
 constexpr float kPlanarWeight = 0.5f;    // only points in planes weigh more
 
@@ -68,8 +69,23 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
                             point.normal.cast<double>(), point.weight > kPlanarWeight, point.phase});
     }
   }
+  out.phases = PhaseGrid(all);
   out.field = std::move(field);
   return out;
+}
+
+PhaseGrid::PhaseGrid(const std::vector<SurfacePoint>& points) {
+  for (const SurfacePoint& point : points) {
+    if (!point.position.allFinite()) continue;
+    Mean& mean = cells_[geometry::index_of(point.position.cast<double>(), kPhaseCell_m)];
+    mean.sum += static_cast<double>(point.phase);
+    mean.count += 1.0;
+  }
+}
+
+double PhaseGrid::at(const geometry::Vec3& p_S) const {
+  const auto found = cells_.find(geometry::index_of(p_S, kPhaseCell_m));
+  return found == cells_.end() ? 0.5 : found->second.sum / found->second.count;
 }
 
 SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m) {
