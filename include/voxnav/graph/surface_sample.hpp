@@ -2,11 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <unordered_map>
+#include <optional>
 #include <vector>
 
 #include "voxnav/geometry/distance_field.hpp"
-#include "voxnav/geometry/voxel.hpp"
 
 namespace voxnav::graph {
 
@@ -40,11 +39,13 @@ class PhaseGrid {
   double at(const geometry::Vec3& p_S) const;
 
  private:
-  struct Mean {
-    double sum = 0.0;
-    double count = 0.0;
-  };
-  std::unordered_map<geometry::Index3, Mean, geometry::Index3Hash> cells_;
+  /// Number of the cell that holds a point, if there is one.
+  std::optional<std::size_t> cell_of(const geometry::Vec3& p_S) const;
+
+  geometry::Vec3 origin_ = geometry::Vec3::Zero();
+  double cell_m_ = 1.0;
+  Eigen::Array3i size_ = Eigen::Array3i::Zero();
+  std::vector<float> phases_;
 };
 
 /// The fixed set of surface points by which a submap is registered to others, and the field that others are

@@ -218,7 +218,7 @@ void update_pairs(GraphState* state, bool is_full, OptimizeReport* report) {
 }
 
 void update_sways(GraphState* state, const std::map<int, Pose4>& poses) {
-  constexpr double kTolerance_m = 0.02;
+  constexpr double kTolerance_m = 0.03;
   constexpr double kMost_m = 1.0;  // more is no drift but a jump
   std::set<int> changed;
   for (auto& [id, node] : state->nodes) {

@@ -43,7 +43,7 @@ SCENARIOS = collections.OrderedDict((s.name, s) for s in (
     Scenario("corridor", "out and back in an endless corridor, 2 x 60 m", None,
              np.array([(0.0, 0.0), (60.0, 0.0), (0.0, 0.0)]), height_m=1.5),
     Scenario("hover", "2 minutes above one place in a forest", _FOREST, np.array([(0.0, 0.0)]), hover_s=120.0),
-    Scenario("revisit", "out of a grove, round over a meadow and into the grove again the other way, 10 m of drift",
+    Scenario("revisit", "a grove, a meadow, and the grove again the other way",
              _GROVE, np.array([(0.0, 0.0), (130.0, 0.0), (130.0, 70.0), (75.0, 70.0), (75.0, 4.0), (0.0, 4.0)]),
              speed_mps=2.0, drift_m=1.0, trend_m=(8.0, -6.0, 0.5)),
     Scenario("long", "19 minutes, 1.28 km up and down a forest", _LONG, _mower(140.0, 25.0, 7)[:-1],
