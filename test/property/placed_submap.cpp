@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A submap laid into the grid of the map, in integers and columns, against what it says itself voxel by voxel.
+#include "voxnav/submap/placed_submap.hpp"
+
 #include <gtest/gtest.h>
 
 #include <optional>
 
 #include "content_builder.hpp"
-#include "voxnav/submap/placed_submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Index3;
@@ -29,7 +30,8 @@ struct Placement {
 };
 
 std::vector<Placement> placements() {
-  const Pose tilted = Pose(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized())) * geometry::from_position_yaw(Vec3::Zero(), 2.0);
+  const Pose tilted =
+      Pose(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized())) * geometry::from_position_yaw(Vec3::Zero(), 2.0);
   return {{"where it is", Pose::Identity(), kVoxel},
           {"turned a little", geometry::from_position_yaw({7.13, -3.3, 0.71}, 0.05), kVoxel},
           {"turned", geometry::from_position_yaw({-70.7, 300.03, -5.2}, -2.2), kVoxel},
@@ -125,7 +127,8 @@ TEST(PlacedSubmap, ColumnsHoldTheirOwnPointsAndNoOthers) {
       Columns seen{};
       std::size_t column = 0;
       std::uint32_t number = block->first.front();
-      for (const PlacedLeaf* leaf = placed.leaves().begin(*block); leaf != placed.leaves().end(*block); ++leaf, ++number) {
+      for (const PlacedLeaf* leaf = placed.leaves().begin(*block); leaf != placed.leaves().end(*block);
+           ++leaf, ++number) {
         while (number >= block->first.at(column + 1)) ++column;
         ASSERT_EQ(leaf->offset & 255u, column) << where.name;
         seen[column] = static_cast<std::uint16_t>(seen[column] | 1u << (leaf->offset >> 8));
@@ -147,8 +150,9 @@ TEST(PlacedSubmap, SurfaceWithinADistanceEqualsBruteForce) {
       const Index3 index = blocks[rng() % blocks.size()];
       const auto coordinate = [&] { return static_cast<int>(rng() % 5000) - 300; };  // units; beyond the block too
       const submap::Units3 p{coordinate(), coordinate(), coordinate()};
-      const Vec3 p_W = (Vec3(index.x, index.y, index.z) * geometry::kBlockSide +
-                        Vec3(p.x, p.y, p.z) / submap::kUnitsPerEdge) * where.resolution_m;
+      const Vec3 p_W =
+          (Vec3(index.x, index.y, index.z) * geometry::kBlockSide + Vec3(p.x, p.y, p.z) / submap::kUnitsPerEdge) *
+          where.resolution_m;
       double nearest = 1e9;
       for (const Vec3& q : points) nearest = std::min(nearest, (q - p_W).norm());
       const double distance_m = 0.1 + 0.0008 * (i % 1000);  // and sometimes over several blocks

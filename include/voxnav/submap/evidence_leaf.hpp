@@ -34,8 +34,8 @@ inline geometry::Vec3 local_point(const PlacedLeaf& leaf) {
           (leaf.offset >> 8) + 0.5 + leaf.mean[2] / 254.0};
 }
 
-/// Points and lengths in units of means, 254 to a voxel edge: what is computed from them in integers is the same on every
-/// machine, and points on the border of two voxels lie in the upper one wherever grids fit each other.
+/// Points and lengths in units of means, 254 to a voxel edge: what is computed from them in integers is the same on
+/// every machine, and points on the border of two voxels lie in the upper one wherever grids fit each other.
 constexpr int kUnitsPerEdge = 254;
 using Units3 = geometry::Index3;
 inline int units_of(int voxel, std::int8_t mean) { return voxel * kUnitsPerEdge + kUnitsPerEdge / 2 + mean; }
@@ -48,9 +48,7 @@ inline Units3 units_of(const PlacedLeaf& leaf) {
 /// A part of a unit: 32 bits behind the point.
 constexpr int kUnitShift = 32;
 /// Of a length in voxel edges.
-inline std::int64_t fixed_units(double edges) {
-  return std::llround(std::ldexp(edges * kUnitsPerEdge, kUnitShift));
-}
+inline std::int64_t fixed_units(double edges) { return std::llround(std::ldexp(edges * kUnitsPerEdge, kUnitShift)); }
 /// Voxel of such a coordinate from 0 on.
 inline std::uint32_t voxel_at(std::int64_t fixed) {
   return static_cast<std::uint32_t>(fixed >> kUnitShift) / static_cast<std::uint32_t>(kUnitsPerEdge);

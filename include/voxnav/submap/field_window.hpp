@@ -11,10 +11,12 @@ namespace voxnav::submap {
 
 /// An occupied voxel of a window, in voxels from the first voxel of the block in its middle.
 struct WindowLeaf {
-  int x, y, z;
-  geometry::Vec3f mean;  ///< surface point from the centre of the voxel, voxel edges
-  std::uint8_t hits;
+  std::int16_t x, y, z;
+  CompressedField::Leaf leaf;
   float phase;  ///< when it was seen, as a share of the submap's time
+
+  /// Surface point from the centre of the voxel, voxel edges.
+  geometry::Vec3f mean() const { return geometry::Vec3f(leaf.mean[0], leaf.mean[1], leaf.mean[2]) * (1.0f / 254.0f); }
 };
 
 /// One block and up to 8 voxels around it as rows of bits along x: bit x + 8 of the row at (y, z). Unpacked from the

@@ -11,8 +11,8 @@
 namespace voxnav::submap {
 
 /// The free voxels of a submap that one block of W, and the voxels below it, lie in, as columns side by side: what is
-/// asked for leaf after leaf then takes no look-ups. For submaps that are turned about the vertical only, with voxels as
-/// large as those of W. Places are computed in integers.
+/// asked for leaf after leaf then takes no look-ups. For submaps that are turned about the vertical only, with voxels
+/// as large as those of W. Places are computed in integers.
 class FreeWindow {
  public:
   /// @param T_G_W  from voxel edges to voxel edges

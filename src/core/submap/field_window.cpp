@@ -96,9 +96,9 @@ void FieldWindow::take_leaves(const CompressedField& field, const OccupiedCell& 
       const int y = cell.y + ((bit >> 3) & 3);
       const int z = cell.z + 2 * word + (bit >> 5);
       const std::size_t i = next_leaf_[at(y, z)]++;
-      const geometry::Vec3f mean = geometry::Vec3f(leaf->mean[0], leaf->mean[1], leaf->mean[2]) * (1.0f / 254.0f);
-      leaves_[i] = {x, y, z, mean, leaf->hits, field.phase_of(leaf)};
-      const geometry::Vec3f p = geometry::Vec3f(x, y, z) + mean;
+      leaves_[i] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z), *leaf,
+                    field.phase_of(leaf)};
+      const geometry::Vec3f p = geometry::Vec3f(x, y, z) + leaves_[i].mean();
       points_[i] = {p.x(), p.y(), p.z(), 1.0f, p.y(), p.z(), p.x(), 0.0f};
     }
   }

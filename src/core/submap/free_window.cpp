@@ -102,8 +102,6 @@ VOXNAV_INLINE void FreeWindow::add_centers(Columns* free) const {
 void FreeWindow::add_centers_plain(Columns* free) const { add_centers(free); }
 VOXNAV_WIDE void FreeWindow::add_centers_wide(Columns* free) const { add_centers(free); }
 
-void FreeWindow::add_to(Columns* free) const {
-  base::is_wide() ? add_centers_wide(free) : add_centers_plain(free);
-}
+void FreeWindow::add_to(Columns* free) const { base::is_wide() ? add_centers_wide(free) : add_centers_plain(free); }
 
 }  // namespace voxnav::submap

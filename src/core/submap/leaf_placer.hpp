@@ -26,10 +26,10 @@ class LeafPlacer {
 
   Eigen::Affine3d T_W_G_;
   PlacedLeaves* leaves_;
-  std::array<Fixed3, 3> steps_;  ///< in W, of one unit along each axis of the submap
-  geometry::Index3 first_W_;  ///< lowest block that it touches
-  Fixed3 origin_;             ///< of the block, from the corner of that one
-  int side_;                  ///< so many blocks of W it touches along an axis at most
+  std::array<Fixed3, 3> steps_;        ///< in W, of one unit along each axis of the submap
+  geometry::Index3 first_W_;           ///< lowest block that it touches
+  Fixed3 origin_;                      ///< of the block, from the corner of that one
+  int side_;                           ///< so many blocks of W it touches along an axis at most
   std::vector<std::int32_t> numbers_;  ///< of these; -1 = not looked up yet
 };
 
