@@ -45,10 +45,10 @@ class FieldWindow {
   }
 
  private:
-  /// A cell with leaves. Voxels: bit 8 row + x of the first and last two layers.
+  /// A cell with leaves.
   struct OccupiedCell {
     int x, y, z;
-    std::array<std::uint64_t, 2> voxels;
+    std::uint64_t voxels;
     const CompressedField::Leaf* leaves;
   };
 
@@ -57,8 +57,9 @@ class FieldWindow {
   void number_leaves();
   void take_leaves(const CompressedField& field, const OccupiedCell& cell);
 
-  std::array<std::uint32_t, kSide * kSide> free_;
-  std::array<std::uint32_t, kSide * kSide> occupied_;
+  using Rows = std::array<std::uint32_t, kSide * kSide>;
+  Rows free_;
+  Rows occupied_;
   std::array<std::uint16_t, kSide * kSide> first_leaf_;
   std::array<std::uint16_t, kSide * kSide> next_leaf_;  ///< of each row, while they are taken
   std::vector<OccupiedCell> cells_;
