@@ -7,8 +7,8 @@
 
 namespace voxnav::test {
 
-/// A submap as versions 2, 3 and 4 of the format wrote it, straight from the content: a code per cell of 4^3 voxels, two
-/// bits per voxel, every own leaf.
+/// A submap as versions 2, 3 and 4 of the format wrote it, straight from the content: a code per cell of 4^3 voxels,
+/// two bits per voxel, every own leaf.
 class OldSubmapBytes {
  public:
   OldSubmapBytes(const occupancy::MapContent& content, std::uint32_t version) : version_(version) {

@@ -10,8 +10,8 @@ constexpr std::uint32_t kWithoutOwn = 2;      // what a submap saw itself was no
 constexpr std::uint32_t kWithoutOwnFree = 3;  // neither was its free space
 constexpr int kCellsOfBlock = 64;
 constexpr std::uint8_t kAllFree = 1;
-constexpr std::uint8_t kFirstStates = 2;                  // code - kFirstStates: states record of the block
-constexpr std::uint8_t kFirstNear = 2 + kCellsOfBlock;    // code - kFirstNear: near record of the block
+constexpr std::uint8_t kFirstStates = 2;                // code - kFirstStates: states record of the block
+constexpr std::uint8_t kFirstNear = 2 + kCellsOfBlock;  // code - kFirstNear: near record of the block
 constexpr std::uint8_t kEndCode = 2 + 2 * kCellsOfBlock;
 
 using Codes = std::array<std::uint8_t, kCellsOfBlock>;
