@@ -88,6 +88,8 @@ class CompressedField {
   Columns own_free(std::size_t i) const;
   /// Whether the submap saw anything of the i-th block itself.
   bool has_own(std::size_t i) const { return blocks_[i].has_own; }
+  /// Whether it holds anything that the submap did not see itself.
+  bool has_memory() const;
   std::size_t num_leaves() const { return leaves_.size(); }
   std::size_t num_own_leaves() const { return has_values_ ? leaves_.size() : own_times_.size(); }
   /// Only what the submap saw itself: voxels it merely remembered are unknown, the others hold the mean of its own

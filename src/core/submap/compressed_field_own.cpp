@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a submap saw itself, beside all that its local map remembered.
+#include <algorithm>
+
 #include "voxnav/submap/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -54,6 +56,13 @@ void CompressedField::add_own_free(int cell, std::uint64_t own, std::uint64_t fr
     block->partly_own_cells |= bit;
     own_free_.push_back(own);
   }
+}
+
+bool CompressedField::has_memory() const {
+  if (has_values_) return false;
+  if (own_times_.size() != leaves_.size() || !own_leaves_.empty()) return true;
+  const auto is_remembered = [](const Block& b) { return ((b.open_cells | b.mixed_cells) & ~b.own_cells) != 0; };
+  return std::any_of(blocks_.begin(), blocks_.end(), is_remembered);
 }
 
 CompressedField::OwnPlace CompressedField::own_place(std::size_t leaf) const {
