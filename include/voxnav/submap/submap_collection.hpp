@@ -60,8 +60,8 @@ struct SubmapEntry {
 
 /// All finished submaps and what they say together in the map frame W. A submap says what it saw itself: what its local
 /// map remembered was seen by submaps before it, which say so where they lie now. Where the one before it is absent
-/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything. Not
-/// thread-safe.
+/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything and no
+/// other one saw anything itself: memory that lies wrong would stand beside it. Not thread-safe.
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
@@ -133,13 +133,17 @@ class SubmapCollection {
     SubmapEntry entry;
     Placement merged_at;
     bool is_merged = false;
-    Knowledge merged = Knowledge::kOwn;    ///< what counts of it where it is the oldest
-    std::vector<geometry::Index3> blocks;  ///< footprint where it is merged
-    std::size_t bytes = 0;                 ///< of the submap when it came
+    bool remembers = false;                    ///< holds what it did not see itself
+    Knowledge merged = Knowledge::kOwn;        ///< what counts of it where nobody else knows
+    std::vector<geometry::Index3> blocks;      ///< footprint where it is merged
+    std::vector<geometry::Index3> own_blocks;  ///< footprint of what it saw itself, where that is not all that counts
+    std::size_t bytes = 0;                     ///< of the submap when it came
     std::uint64_t last_used = 0;
   };
   Record* record(std::uint32_t id);
-  Knowledge knowledge_of(const SubmapEntry& entry) const;
+  Knowledge knowledge_of(const Record& record) const;
+  bool owns(const Key& key, const geometry::Index3& block) const;
+  bool memory_counts(const geometry::Index3& block, const Key* without = nullptr) const;
   bool has_changed(const Record& record) const;
   void forget(Record* record, std::vector<geometry::Index3>* stale);
   void append(const Key& key, Record* record);
@@ -154,6 +158,7 @@ class SubmapCollection {
   std::map<std::uint32_t, Key> keys_;
   std::unordered_map<geometry::Index3, std::vector<Key>, geometry::Index3Hash> by_block_;  ///< merged, oldest first
   std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
+  std::size_t num_with_memory_ = 0;      ///< merged with what they remember
   std::size_t submap_bytes_ = 0;
   std::uint64_t num_uses_ = 0;
   std::uint64_t num_dropped_ = 0;

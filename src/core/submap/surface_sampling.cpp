@@ -78,10 +78,10 @@ std::vector<SurfacePoint> sample_surface(const CompressedField& field, double re
       const WindowLeaf& leaf = window->leaves()[inside[k]];
       const LeafNormal& surface = normals[k];
       if (!(surface.quality > 0.f)) continue;
-      const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean.cast<double>()) * resolution_m;
+      const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean().cast<double>()) * resolution_m;
       const int cell = CompressedField::cell_of(leaf.x | (leaf.y << 4) | (leaf.z << 8));
       cells[static_cast<std::size_t>(cell)].push_back(
-          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.hits), leaf.phase});
+          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.leaf.hits), leaf.phase});
     }
     append_sorted(std::move(cells), &all);
   }
