@@ -6,6 +6,7 @@
 
 #include "voxnav/Handover.h"
 #include "voxnav/Submap.h"
+#include "voxnav/SubmapPoses.h"
 #include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -21,6 +22,13 @@ voxnav::Submap to_msg(const voxnav::submap::SubmapEntry& entry, const std::strin
 
 /// @throws std::invalid_argument when a pose or the data are not valid
 voxnav::submap::SubmapEntry from_msg(const voxnav::Submap& msg);
+
+/// @throws std::invalid_argument naming `name` when one is not valid
+std::vector<voxnav::geometry::Pose> valid_poses(const std::vector<geometry_msgs::Pose>& msgs, const char* name);
+
+/// One per submap; all rigid where the message says nothing of it.
+/// @throws std::invalid_argument when a pose is not valid or the lists differ in length
+std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg);
 
 /// Positions of all points, missing returns included (as they are).
 std::vector<voxnav::geometry::Vec3f> positions_of(const voxnav::cloud::RawCloudView& view);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pybind.hpp"
-#include "voxnav/geometry/pose.hpp"
+#include "voxnav/geometry/bend.hpp"
 
 /// Strict numpy arguments: a wrong dtype, shape or layout raises ValueError naming argument, what it is
 /// and what it must be. Nothing is converted or copied silently.
@@ -40,7 +40,14 @@ const T* data_of(const py::array& array, const char* name, const std::vector<py:
 
 /// 4x4 float64, a rigid transform.
 geometry::Pose pose_of(const py::array& array, const char* name);
+/// (n, 4, 4), rigid.
+std::vector<geometry::Pose> poses_of(const py::array& array, const char* name);
+/// (n,) seconds and (n, 4, 4).
+std::vector<geometry::StampedPose> stamped_poses_of(const py::array& stamps_s, const py::array& poses,
+                                                    const char* name);
 py::array_t<double> pose_array(const geometry::Pose& pose);
+/// (2, 4, 4); None is rigid.
+geometry::Bend bend_of(const py::object& T);
 /// (3,) of numbers.
 geometry::Vec3 vec3_of(const py::object& object, const char* name);
 

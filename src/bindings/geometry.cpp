@@ -59,6 +59,16 @@ py::array_t<float> surface_rows(const DistanceField& field, geometry::Vec3f geom
   return array_from(std::move(out), 3);
 }
 
+py::array_t<float> bent_surface_points(const DistanceField& field, const py::object& T) {
+  const geometry::Bend bend = bend_of(T);
+  std::vector<float> out;
+  for (const geometry::SurfacePoint& point : field.surface_points()) {
+    const geometry::Vec3 p_S = bend.at(static_cast<double>(point.phase)) * point.position.cast<double>();
+    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(p_S[k]));
+  }
+  return array_from(std::move(out), 3);
+}
+
 py::array_t<float> surface_weights(const DistanceField& field) {
   std::vector<float> out;
   out.reserve(field.surface_points().size());
@@ -82,6 +92,8 @@ void bind_geometry(py::module_& m) {
       .def(
           "surface_normals", [](const DistanceField& f) { return surface_rows(f, &geometry::SurfacePoint::normal); },
           "(n, 3) float32 unit normals of surface_points(), towards free space.")
+      .def("bent_surface_points", &bent_surface_points, py::arg("bend"),
+           "The same where a bend (2, 4, 4) moves them, each as of when it was seen; see submap_bends().")
       .def("surface_weights", &surface_weights, "(n,) float32 confidences of surface_points(), above 0.")
       .def_property_readonly("resolution_m", &DistanceField::resolution_m, "Edge of one voxel, metres.");
 }

@@ -158,37 +158,41 @@ void bind_submap_graph(py::module_& m) {
                  "Raises ValueError naming line and fault.");
 }
 
-std::vector<geometry::Pose> poses_of(const py::array& array, const char* name) {
-  const double* data = data_of<double>(array, name, {-1, 4, 4});
-  std::vector<geometry::Pose> out(static_cast<std::size_t>(array.shape(0)));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data + 16 * i);
-    if (!geometry::is_valid(out[i]))
-      throw py::value_error(std::string(name) + ": row " + std::to_string(i) + " is no rigid transform");
+std::vector<graph::SubmapCorrection> corrections_of(const py::array& spans_s, const py::array& T_O_S,
+                                                    const py::array& T_W_S) {
+  const std::vector<geometry::Pose> from = poses_of(T_O_S, "T_O_S");
+  const std::vector<geometry::Pose> to = poses_of(T_W_S, "T_W_S");
+  const double* spans = data_of<double>(spans_s, "spans_s", {static_cast<py::ssize_t>(from.size()), 2});
+  if (from.size() != to.size()) throw py::value_error("T_O_S and T_W_S must have as many rows as each other");
+  std::vector<graph::SubmapCorrection> out(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    out[i] = {base::from_seconds(spans[2 * i]), base::from_seconds(spans[2 * i + 1]), from[i], to[i]};
   }
   return out;
 }
 
-py::array_t<double> correct_trajectory(const py::array& stamps_s, const py::array& T_O_B,
-                                       const py::array& submap_stamps_s, const py::array& T_O_S,
-                                       const py::array& T_W_S) {
-  const std::vector<geometry::Pose> odometry = poses_of(T_O_B, "T_O_B");
-  const std::vector<geometry::Pose> from = poses_of(T_O_S, "T_O_S");
-  const std::vector<geometry::Pose> to = poses_of(T_W_S, "T_W_S");
-  const double* stamps = data_of<double>(stamps_s, "stamps_s", {static_cast<py::ssize_t>(odometry.size())});
-  const double* submap_stamps =
-      data_of<double>(submap_stamps_s, "submap_stamps_s", {static_cast<py::ssize_t>(from.size())});
-  if (from.size() != to.size()) throw py::value_error("T_O_S and T_W_S must have as many rows as each other");
-  std::vector<geometry::StampedPose> trajectory(odometry.size());
-  for (std::size_t i = 0; i < odometry.size(); ++i) trajectory[i] = {base::from_seconds(stamps[i]), odometry[i]};
-  std::vector<graph::SubmapCorrection> corrections(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) corrections[i] = {base::from_seconds(submap_stamps[i]), from[i], to[i]};
+void append(const geometry::Pose& pose, std::vector<double>* out) {
+  for (int k = 0; k < 16; ++k) out->push_back(pose.matrix()(k / 4, k % 4));
+}
+
+py::array_t<double> correct_trajectory(const py::array& stamps_s, const py::array& T_O_B, const py::array& spans_s,
+                                       const py::array& T_O_S, const py::array& T_W_S) {
+  const std::vector<geometry::StampedPose> trajectory = stamped_poses_of(stamps_s, T_O_B, "T_O_B");
   std::vector<double> out;
-  out.reserve(16 * odometry.size());
-  for (const geometry::StampedPose& pose : graph::correct_trajectory(trajectory, corrections)) {
-    for (int k = 0; k < 16; ++k) out.push_back(pose.pose.matrix()(k / 4, k % 4));
-  }
+  out.reserve(16 * trajectory.size());
+  const auto corrected = graph::correct_trajectory(trajectory, corrections_of(spans_s, T_O_S, T_W_S));
+  for (const geometry::StampedPose& pose : corrected) append(pose.pose, &out);
   return array_from(std::move(out), 0).attr("reshape")(-1, 4, 4).cast<py::array_t<double>>();
+}
+
+py::array_t<double> submap_bends(const py::array& spans_s, const py::array& T_O_S, const py::array& T_W_S,
+                                 double max_shift_m) {
+  std::vector<double> out;
+  for (const geometry::Bend& bend : graph::bends_of(corrections_of(spans_s, T_O_S, T_W_S), max_shift_m)) {
+    append(bend.T_S_begin, &out);
+    append(bend.T_S_end, &out);
+  }
+  return array_from(std::move(out), 0).attr("reshape")(-1, 2, 4, 4).cast<py::array_t<double>>();
 }
 
 }  // namespace
@@ -198,11 +202,14 @@ void bind_graph(py::module_& m) {
   bind_config<graph::OptimizerConfig>(m, "OptimizerConfig", "What the submap optimiser does around SubmapGraph.");
   bind_report(m);
   bind_submap_graph(m);
-  m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("submap_stamps_s"),
+  m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("spans_s"),
         py::arg("T_O_S"), py::arg("T_W_S"),
         "Moves a trajectory (n, 4, 4) with k submaps that the graph moved from T_O_S to T_W_S, both (k, 4, 4).\n\n"
-        "submap_stamps_s are the middles of the submaps' time spans; poses between two are blended from both.\n"
+        "spans_s (k, 2): when each began and ended; poses between the middles of two are blended from both.\n"
         "Returns T_W_B, (n, 4, 4).");
+  m.def("submap_bends", &submap_bends, py::arg("spans_s"), py::arg("T_O_S"), py::arg("T_W_S"), py::arg("max_shift_m"),
+        "The same for what these submaps hold: (k, 2, 4, 4), how what each saw when it began and when it ended has to\n"
+        "be moved to lie as its middle does. Beyond max_shift_m it is a jump and left alone.");
 }
 
 }  // namespace voxnav::bindings

@@ -40,10 +40,13 @@ std::shared_ptr<Submap> from_local_map(const py::object& map, const py::array& T
   return Submap::from_content(content, pose.inverse(Eigen::Isometry), config);
 }
 
-std::shared_ptr<geometry::DistanceField> registration_field_of(const std::shared_ptr<Submap>& submap) {
+std::shared_ptr<geometry::DistanceField> registration_field_of(const std::shared_ptr<Submap>& submap,
+                                                               const py::object& stamps_s, const py::object& T_S_B) {
+  std::vector<geometry::StampedPose> history;
+  if (!stamps_s.is_none()) history = stamped_poses_of(stamps_s.cast<py::array>(), T_S_B.cast<py::array>(), "T_S_B");
   py::gil_scoped_release release;
   // pybind11 holders are not const; fields have no method that changes them.
-  return std::const_pointer_cast<geometry::DistanceField>(submap::registration_field(submap));
+  return std::const_pointer_cast<geometry::DistanceField>(submap::registration_field(submap, history));
 }
 
 /// Surface points of occupied voxels, one row each; none at all means voxel centres.
@@ -173,8 +176,11 @@ void bind_one_submap(py::module_& m) {
       .def(
           "mesh", [](const Submap& s) { return mesh_tuple(submap::extract_mesh(s)); },
           "(vertices (k, 3) float32 [m, frame S], triangles (t, 3) uint32), counter-clockwise seen from free space.")
-      .def("registration_field", &registration_field_of,
-           "DistanceField to register this submap by: what it saw itself, without what its local map remembered.")
+      .def("registration_field", &registration_field_of, py::arg("stamps_s") = py::none(),
+           py::arg("T_S_B") = py::none(),
+           "DistanceField to register this submap by: what it saw itself, without what its local map remembered.\n\n"
+           "stamps_s (n,), T_S_B (n, 4, 4): its pose history. With it, things seen from one side lie where their\n"
+           "middles are, so that they do not go along; without, where they were hit.")
       .def_property_readonly("memory_bytes", &Submap::memory_bytes)
       .def_property_readonly("T_S_G", [](const Submap& s) { return pose_array(s.T_S_G()); })
       .def(

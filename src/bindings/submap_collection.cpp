@@ -21,11 +21,12 @@ using submap::SubmapCollectionConfig;
 using submap::SubmapEntry;
 
 void add(SubmapCollection& collection, std::uint32_t id, std::shared_ptr<Submap> submap, const py::array& T_W_S,
-         double stamp) {
+         double stamp, const py::object& bend) {
   SubmapEntry entry;
   entry.id = id;
   entry.T_W_S = pose_of(T_W_S, "T_W_S");
   entry.T_O_S = entry.T_W_S;
+  entry.bend = bend_of(bend);
   entry.end_ns = base::from_seconds(stamp);
   entry.submap = std::move(submap);
   collection.add(std::move(entry));
@@ -37,10 +38,22 @@ py::dict poses(const SubmapCollection& collection) {
   return out;
 }
 
-void set_poses(SubmapCollection& collection, const py::dict& poses) {
+py::dict bends(const SubmapCollection& collection) {
+  py::dict out;
+  for (const SubmapEntry* entry : collection.entries()) {
+    py::list both;
+    both.append(pose_array(entry->bend.T_S_begin));
+    both.append(pose_array(entry->bend.T_S_end));
+    out[py::int_(entry->id)] = py::module_::import("numpy").attr("stack")(both);
+  }
+  return out;
+}
+
+void set_poses(SubmapCollection& collection, const py::dict& poses, const py::dict& bends) {
   for (const auto& item : poses) {
     const auto id = item.first.cast<std::uint32_t>();
-    if (!collection.set_pose(id, pose_of(item.second.cast<py::array>(), "T_W_S")))
+    const geometry::Pose T_W_S = pose_of(item.second.cast<py::array>(), "T_W_S");
+    if (!collection.set_pose(id, T_W_S, bend_of(bends.attr("get")(item.first))))
       throw py::key_error(std::to_string(id));
   }
 }
@@ -209,8 +222,12 @@ void bind_submap_collection(py::module_& m) {
                                    "All submaps and what they say together; the newest well-observed evidence wins.");
   cls.def(py::init<const SubmapCollectionConfig&>(), py::arg("config") = SubmapCollectionConfig{})
       .def("add", &add, py::arg("id"), py::arg("submap"), py::arg("T_W_S"), py::arg("stamp") = 0.0,
-           "stamp: seconds; later ones are newer evidence, equal ones by id. An id that is there is replaced.")
-      .def("set_poses", &set_poses, py::arg("poses"), "{id: T_W_S}; raises KeyError on an unknown id.")
+           py::arg("bend") = py::none(),
+           "stamp: seconds; later ones are newer evidence, equal ones by id. An id that is there is replaced.\n\n"
+           "bend: (2, 4, 4), see submap_bends(); None leaves it rigid.")
+      .def("set_poses", &set_poses, py::arg("poses"), py::arg("bends") = py::dict(),
+           "{id: T_W_S} and {id: (2, 4, 4)}, those without are rigid; raises KeyError on an unknown id.")
+      .def("bends", &bends, "{id: (2, 4, 4)}, oldest first.")
       .def("poses", &poses, "{id: T_W_S}, oldest first.")
       .def(
           "submap",

@@ -34,6 +34,23 @@ SubmapEntry common_part(const Msg& msg) {
 
 }  // namespace
 
+std::vector<voxnav::geometry::Pose> valid_poses(const std::vector<geometry_msgs::Pose>& msgs, const char* name) {
+  std::vector<voxnav::geometry::Pose> out;
+  for (const geometry_msgs::Pose& msg : msgs) out.push_back(valid_pose(msg, name));
+  return out;
+}
+
+std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg) {
+  std::vector<voxnav::geometry::Bend> out(msg.submap_ids.size());
+  if (msg.T_S_begin.empty() && msg.T_S_end.empty()) return out;
+  const auto begins = valid_poses(msg.T_S_begin, "T_S_begin");
+  const auto ends = valid_poses(msg.T_S_end, "T_S_end");
+  if (begins.size() != out.size() || ends.size() != out.size())
+    throw std::invalid_argument("submap_ids, T_S_begin and T_S_end differ in length");
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = {begins[i], ends[i]};
+  return out;
+}
+
 SubmapEntry entry_of(const voxnav::Handover& msg) { return common_part(msg); }
 
 voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_frame) {

@@ -203,15 +203,11 @@ void SubmapIntegratorNodelet::take_poses(const voxnav::SubmapPoses& msg) {
   if (msg.submap_ids.size() != msg.T_W_S.size()) throw std::invalid_argument("submap_ids and T_W_S differ in length");
   const auto T_W_O = from_msg(msg.T_W_O);
   if (!T_W_O) throw std::invalid_argument("T_W_O is not a valid pose");
-  std::vector<voxnav::geometry::Pose> poses;
-  for (const geometry_msgs::Pose& pose : msg.T_W_S) {
-    const auto T_W_S = from_msg(pose);
-    if (!T_W_S) throw std::invalid_argument("T_W_S is not a valid pose");
-    poses.push_back(*T_W_S);
-  }
+  const std::vector<voxnav::geometry::Pose> poses = valid_poses(msg.T_W_S, "T_W_S");
+  const std::vector<voxnav::geometry::Bend> bends = bends_of(msg);
   if (!msg.header.frame_id.empty()) map_frame_ = msg.header.frame_id;
   T_W_O_ = *T_W_O;
-  for (std::size_t i = 0; i < poses.size(); ++i) map_->collection().set_pose(msg.submap_ids[i], poses[i]);
+  for (std::size_t i = 0; i < poses.size(); ++i) map_->collection().set_pose(msg.submap_ids[i], poses[i], bends[i]);
   diagnostics().set_counter("graph_revision", msg.revision);
   refresh(msg.header.stamp);
 }

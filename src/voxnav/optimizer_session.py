@@ -171,16 +171,23 @@ class OptimizerSession:
         T_O_B = np.concatenate([r.T_O_S @ r.T_S_B for r in records])
         step = -(-len(stamps) // self.config.max_trajectory_poses)
         stamps, T_O_B = np.ascontiguousarray(stamps[::step]), np.ascontiguousarray(T_O_B[::step])
-        poses = self._graph.poses()
-        middles, kept = [], []
+        return stamps, voxnav.correct_trajectory(stamps, T_O_B, *self._corrections(records)[1:])
+
+    def bends(self):
+        """{id: (2, 4, 4)}: what drift did to each submap while it was made, see voxnav.submap_bends()."""
+        ids, *corrections = self._corrections(self._records.values())
+        return dict(zip(ids, voxnav.submap_bends(*corrections, self.config.max_bend_m))) if ids else {}
+
+    def _corrections(self, records):
+        """Ids, time spans (k, 2), T_O_S and T_W_S (k, 4, 4) of those whose middles rise."""
+        poses, kept, last_s = self._graph.poses(), [], -math.inf
         for record in records:
-            middle = 0.5 * (record.start_s + record.end_s)
-            if not middles or middle > middles[-1] + 1e-6:
-                middles.append(middle)
+            middle_s = 0.5 * (record.start_s + record.end_s)
+            if middle_s > last_s + 1e-6:
                 kept.append(record)
-        T_O_S = np.array([aligned(r.T_O_S) for r in kept])
-        T_W_S = np.array([poses[r.id] for r in kept])
-        return stamps, voxnav.correct_trajectory(stamps, T_O_B, np.array(middles), T_O_S, T_W_S)
+                last_s = middle_s
+        return ([r.id for r in kept], np.array([(r.start_s, r.end_s) for r in kept]),
+                np.array([aligned(r.T_O_S) for r in kept]), np.array([poses[r.id] for r in kept]))
 
     def _odometry_information(self, gap_s):
         c = self.config

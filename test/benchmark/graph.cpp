@@ -47,7 +47,10 @@ std::vector<Flown> fly(int num_submaps) {
     const occupancy::MapContent content = map.hand_over();
     map.take_evicted();
     const auto submap = submap::Submap::from_content(content, T_W_S.inverse(Eigen::Isometry), {});
-    out.push_back({T_W_S, submap::registration_field(submap)});
+    std::vector<geometry::StampedPose> T_S_B;
+    for (int k = i - kScans + 1; k <= i; ++k)
+      T_S_B.push_back({k, T_W_S.inverse(Eigen::Isometry) * pose_on_ring(1.1 * k)});
+    out.push_back({T_W_S, submap::registration_field(submap, T_S_B)});
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
+#include "voxnav/base/processor.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -58,6 +59,20 @@ TEST(ObstacleInflation, EqualsBruteForce) {
       num_occupied += state == State::kOccupied;
     }
     EXPECT_GT(num_occupied, 0);
+  }
+}
+
+TEST(ObstacleInflation, EveryInstructionSetGivesTheSame) {
+  for (const double safety_m : {0.3, 1.5, 2.4}) {
+    const auto inflate = [&](bool wide) {
+      base::use_wide(wide);
+      SubmapCollection collection({});
+      collection.add(entry_of(1, Pose::Identity(), 0.02));
+      collection.add(entry_of(2, geometry::from_position_yaw({3, 2, -1}, 0.5), 0.02));
+      return collection.obstacles(safety_m);
+    };
+    const containers::StateGrid plain = inflate(false);
+    expect_equal(inflate(true), plain);
   }
 }
 

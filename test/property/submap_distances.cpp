@@ -66,34 +66,6 @@ TEST_P(SubmapDistances, OfFreeVoxelCentersEqualBruteForce) {
   }
 }
 
-TEST_P(SubmapDistances, OwnSurfaceWithinADistanceEqualsBruteForce) {
-  auto content = test::random_content(13, 40, GetParam(), 0.1, kVoxel);
-  auto own = content;
-  for (std::size_t b = 0; b < content.blocks.size(); ++b) {
-    own.blocks[b].occupied.clear();
-    for (occupancy::OccupiedLeaf& leaf : content.blocks[b].occupied) {
-      leaf.own_mean[0] = static_cast<std::int8_t>(leaf.own_mean[0] / 2);
-      if (leaf.offset % 3 == 0) leaf.own_hits = 0;
-      if (leaf.own_hits == 0) continue;
-      own.blocks[b].occupied.push_back(leaf);
-      own.blocks[b].occupied.back().mean = leaf.own_mean;
-    }
-  }
-  const auto field = Submap::from_content(content, geometry::Pose::Identity(), {})->field();
-  const Truth truth = truth_of(own);
-  std::mt19937 rng(5);
-  int near = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const Vec3 p = test::random_in(&rng, {-8, -1.2, -8}, {8, 14.8, 8});
-    const double distance = 0.2 + 0.001 * i;  // metres, over several cells
-    const double exact = to_points(truth, p);
-    if (std::abs(exact - distance) < 1e-9) continue;
-    ASSERT_EQ(field->has_own_surface_within(p / kVoxel, distance / kVoxel), exact < distance) << p.transpose();
-    near += exact < distance ? 1 : 0;
-  }
-  EXPECT_EQ(near > 100, GetParam() > 0.0);
-}
-
 TEST_P(SubmapDistances, CertifiedNeverExceedTheTruth) {
   const auto content = test::random_content(12, 40, GetParam(), 0.1, kVoxel);
   submap::SubmapConfig config;

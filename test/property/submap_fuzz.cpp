@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 
 #include "content_builder.hpp"
+#include "old_submap_bytes.hpp"
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
@@ -126,13 +128,14 @@ void use(const std::shared_ptr<const Submap>& submap, std::mt19937* rng) {
   collection.obstacles(1.0);
 }
 
-/// Calls attempt(rng) a fixed number of times, or for as long as was asked. @return how many
+/// Calls attempt(rng) a fixed number of times, or for as long as was asked, and prints how often. @return how many
 template <class Attempt>
 int repeat(unsigned seed, int count, Attempt&& attempt) {
   std::mt19937 rng(seed);
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds_to_run / 3.0);
   int done = 0;
   for (; done < count || std::chrono::steady_clock::now() < end; ++done) attempt(&rng);
+  std::printf("%d cases\n", done);
   return done;
 }
 
@@ -141,6 +144,10 @@ int repeat(unsigned seed, int count, Attempt&& attempt) {
 TEST(SubmapFuzz, DamagedSubmapsAreRefusedOrHarmless) {
   std::vector<std::string> originals = {projective_submap()->to_bytes()};
   for (unsigned seed = 1; seed < 4; ++seed) originals.push_back(random_submap(seed)->to_bytes());
+  for (const std::uint32_t version : {2u, 3u, 4u}) {
+    const auto content = test::random_content(version, 24, 0.02, 0.3, 0.4);
+    originals.push_back(test::OldSubmapBytes(content, version).bytes(0.4, Pose::Identity(), {}));
+  }
   int refused = 0;
   const int done = repeat(1, 400, [&](std::mt19937* rng) {
     const std::string bytes = damaged(rng, originals[(*rng)() % originals.size()]);

@@ -172,10 +172,20 @@ def test_correct_trajectory_blends_between_submaps():
     odometry = np.array([matrix([t, 0, 0, 0]) for t in stamps])
     submaps = np.array([matrix([0.0, 0, 0, 0]), matrix([10.0, 0, 0, 0])])
     moved = np.array([matrix([0.0, 0, 0, 0]), matrix([10.0, 1.0, 0, 0])])
-    out = voxnav.correct_trajectory(stamps, odometry, np.array([5.0, 15.0]), submaps, moved)
+    out = voxnav.correct_trajectory(stamps, odometry, np.array([[0.0, 10.0], [10.0, 20.0]]), submaps, moved)
     assert out.shape == (41, 4, 4)
     np.testing.assert_allclose(out[stamps == 5.0][0], odometry[stamps == 5.0][0], atol=1e-9)
     assert out[stamps == 10.0][0][1, 3] == pytest.approx(0.5)
     assert np.abs(np.diff(out[:, 1, 3])).max() < 0.06
     with pytest.raises(ValueError):
-        voxnav.correct_trajectory(stamps, odometry, np.array([15.0, 5.0]), submaps, moved)
+        voxnav.correct_trajectory(stamps, odometry, np.array([[10.0, 20.0], [0.0, 10.0]]), submaps, moved)
+
+
+def test_submap_bends_lead_half_of_the_way_to_the_neighbour():
+    spans = np.array([[0.0, 10.0], [10.0, 20.0], [20.0, 24.0]])
+    submaps = np.array([matrix([10.0 * k, 0, 0, 0]) for k in range(3)])
+    moved = np.array([matrix([10.0 * k, 1.0 * k, 0, 0]) for k in range(3)])
+    bends = voxnav.submap_bends(spans, submaps, moved, 2.0)
+    np.testing.assert_allclose(bends[:, 0, 1, 3], [0.0, -0.5, -2.0 / 7.0], atol=1e-9)
+    np.testing.assert_allclose(bends[:, 1, 1, 3], [0.5, 5.0 / 7.0, 0.0], atol=1e-9)
+    np.testing.assert_array_equal(voxnav.submap_bends(spans, submaps, moved, 0.0), np.tile(np.eye(4), (3, 2, 1, 1)))

@@ -92,6 +92,18 @@ def test_loop_corrects_the_end_of_the_trajectory():
     assert error_at(session, 199.0) < 0.3
 
 
+def test_bends_lead_from_submap_to_submap():
+    session = flown(20)
+    assert all(np.allclose(bend, np.eye(4)) for bend in session.bends().values())
+    session.add_loop(true_loop(2.0, 198.0))
+    session.optimize()
+    poses, bends, records = session.graph.poses(), session.bends(), session.records
+    for k in range(1, 20):
+        T_a_b = np.linalg.inv(records[k - 1].T_O_S) @ records[k].T_O_S
+        np.testing.assert_allclose(poses[k - 1] @ bends[k - 1][1] @ T_a_b, poses[k] @ bends[k][0], atol=1e-3)
+    assert max(np.linalg.norm(bend[0, :3, 3]) for bend in bends.values()) > 0.005
+
+
 def test_loop_waits_for_its_submaps():
     session = flown(10)
     session.add_loop(true_loop(2.0, 198.0))

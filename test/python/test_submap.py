@@ -146,6 +146,21 @@ def test_obstacle_changes_add_up_to_the_grid():
     np.testing.assert_array_equal(received.states(points), c.obstacle_grid(1.0).states(points))
 
 
+def test_bends_come_with_poses_and_go_without():
+    c, bend = voxnav.SubmapCollection(), np.array([pose(0.3, 0, 0, 0), pose(0, -0.2, 0, 0)])
+    c.add(1, submap(), np.eye(4), bend=bend)
+    np.testing.assert_array_equal(c.bends()[1], bend)
+    c.set_poses({1: np.eye(4)})
+    np.testing.assert_array_equal(c.bends()[1], [np.eye(4)] * 2)
+    c.set_poses({1: np.eye(4)}, {1: bend, 2: bend})
+    np.testing.assert_array_equal(c.bends()[1], bend)
+    with pytest.raises(ValueError, match="bend"):
+        c.set_poses({1: np.eye(4)}, {1: bend[0]})
+    field = submap().registration_field()
+    shift = field.bent_surface_points(np.array([pose(0, 0, 0, 0), pose(4.0, 0, 0, 0)])) - field.surface_points()
+    assert np.all((shift[:, 0] > -1e-5) & (shift[:, 0] < 0.1))  # its time is not known: the middle
+
+
 def test_collection_save_and_load(tmp_path):
     c = voxnav.SubmapCollection()
     c.add(7, submap(), pose(1, 2, 3, 0.1), stamp=3.0)

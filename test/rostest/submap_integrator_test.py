@@ -228,6 +228,20 @@ class SubmapIntegratorTest(unittest.TestCase):
         scene = self.markers.wait_for_scene(lambda s: len(s.points) > 0 and s.points[:, 2].max() < 0.6)
         self.assertIsNotNone(scene)
 
+    def test_4_what_was_seen_late_lies_where_the_graph_says(self):
+        msg = SubmapPoses()
+        msg.header.frame_id = "uav1/map"
+        msg.submap_ids = [1, 2]
+        msg.T_W_S = [pose(101.0, 2.0, 3.0), pose(101.0, 2.0, 3.0)]
+        msg.T_W_O = pose(100.0)
+        msg.T_S_begin = [pose(), pose()]
+        msg.T_S_end = [pose(), pose()]
+        self.poses.publish(msg)
+        msg.T_S_end = [pose()]
+        self.poses.publish(msg)
+        self.assertIsNotNone(self.diagnostics.wait_for(
+            lambda m: m.level == NodeDiagnostics.ERROR and "T_S_begin and T_S_end" in m.message))
+
     def test_5_broken_input_is_refused_with_a_reason(self):
         data = content().to_bytes()
         self.handover.publish(handover(3, data[: len(data) // 2], stamp=30.0))

@@ -29,7 +29,7 @@ struct SubmapGraphConfig {
   int search_points = 100;
   double search_outlier_ratio = 0.1;
   double search_min_advantage = 0.9;
-  int max_searches = 20;
+  int max_searches = 10;
   // Places seen before, farther off than the search reaches
   bool is_place_recognition_enabled = true;
   double place_min_support = 0.35;
@@ -47,7 +47,7 @@ struct SubmapGraphConfig {
   // Work per solve
   int max_iterations = 8;
   int max_solver_iterations = 100;
-  int max_pair_evaluations = 4000;
+  int max_pair_evaluations = 1500;
   double convergence_m = 0.005;
 
   template <class V>
@@ -96,7 +96,8 @@ void SubmapGraphConfig::fields(V&& v) {
   v("robust_width", &C::robust_width, in(0.1, 100), "sigma", "residual at which GNSS and height begin to lose weight");
   v("max_iterations", &C::max_iterations, in(1, 1000), "", "linearisations of the registered pairs per solve");
   v("max_solver_iterations", &C::max_solver_iterations, in(1, 10000), "", "steps of the pose graph solver");
-  v("max_pair_evaluations", &C::max_pair_evaluations, in(10, 10000000), "", "evaluations of pairs per solve");
+  v("max_pair_evaluations", &C::max_pair_evaluations, in(10, 10000000), "",
+    "no trial begins after as many evaluations of pairs");
   v("convergence_m", &C::convergence_m, in(1e-6, 1), "m", "stop when no submap moves farther (yaw: at 20 m)");
 }
 

@@ -26,6 +26,7 @@ struct OptimizerConfig {
   int gnss_per_submap = 2;
   double height_sigma_m = 0.5;
   int heights_per_submap = 2;
+  double max_bend_m = 1.0;
   int max_pending = 2000;
   int max_queue = 64;
   int distance_cache_mb = 256;
@@ -53,6 +54,8 @@ struct OptimizerConfig {
     v("gnss_per_submap", &C::gnss_per_submap, in(0, 100), "", "fixes used per submap, spread over its time");
     v("height_sigma_m", &C::height_sigma_m, in(1e-3, 100), "m", "deviation of heights on ~height_in");
     v("heights_per_submap", &C::heights_per_submap, in(0, 100), "", "heights used per submap");
+    v("max_bend_m", &C::max_bend_m, in(0, 100), "m",
+      "drift between the middle of a submap and its ends that is taken out of it; more is a jump, and 0 switches off");
     v("max_pending", &C::max_pending, in(1, 100000), "", "fixes, heights and loops that wait for their submaps");
     v("max_queue", &C::max_queue, in(1, 10000), "", "inputs waiting for the worker; newer ones are refused beyond");
     v("distance_cache_mb", &C::distance_cache_mb, in(1, 100000), "MB",

@@ -20,6 +20,8 @@ namespace voxnav::graph {
 struct PairOverlap {
   std::vector<std::uint32_t> of_a;
   std::vector<std::uint32_t> of_b;
+  double phase_a = 0.5;  ///< when each saw what they share, as a share of its time
+  double phase_b = 0.5;
   double ratio = 0.0;  ///< larger of the two shares of a sample that lie inside the other submap
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "voxnav/geometry/distance_field.hpp"
@@ -19,11 +20,41 @@ struct SamplePoint {
   double phase = 0.5;      ///< when it was seen, as a share of the submap's time
 };
 
+/// How far what a submap saw at its ends lies from where it would lie had it not drifted; evenly from its middle.
+struct Sway {
+  geometry::Vec3 begin_S = geometry::Vec3::Zero();
+  geometry::Vec3 end_S = geometry::Vec3::Zero();
+
+  bool is_none() const { return begin_S.isZero(0.0) && end_S.isZero(0.0); }
+  geometry::Vec3 at(double phase) const {
+    return phase < 0.5 ? (1.0 - 2.0 * phase) * begin_S : (2.0 * phase - 1.0) * end_S;
+  }
+};
+
+/// When a submap saw what lies somewhere: the mean of its surface points there.
+class PhaseGrid {
+ public:
+  explicit PhaseGrid(const std::vector<geometry::SurfacePoint>& points = {});
+  /// One half where there are none.
+  double at(const geometry::Vec3& p_S) const;
+
+ private:
+  /// Number of the cell that holds a point, if there is one.
+  std::optional<std::size_t> cell_of(const geometry::Vec3& p_S) const;
+
+  geometry::Vec3 origin_ = geometry::Vec3::Zero();
+  double cell_m_ = 1.0;
+  Eigen::Array3i size_ = Eigen::Array3i::Zero();
+  std::vector<float> phases_;
+};
+
 /// The fixed set of surface points by which a submap is registered to others, and the field that others are
 /// registered to. Drawn once: an objective that draws anew at each evaluation has no minimum to converge to.
 struct SurfaceSample {
   std::shared_ptr<const geometry::DistanceField> field;
   std::vector<SamplePoint> points;  ///< any prefix is stratified too
+  PhaseGrid phases;
+  Sway sway;  ///< as the graph knows it by now
 };
 
 /// Chooses up to `max_points`, spread evenly over cells of `cell_m` and over upright and level surfaces (which

@@ -40,6 +40,8 @@ class EvidenceMap {
   explicit EvidenceMap(const EvidenceRules& rules);
 
   void clear_block(const geometry::Index3& block) { blocks_.erase(block); }
+  /// The same for a block that submaps are added to again: its memory is kept for them.
+  void reset_block(const geometry::Index3& block);
   /// Adds what one submap knows of one block. Call in order of age. O(leaves of the block + 16^2).
   void integrate(const geometry::Index3& block, const PlacedSubmap& submap);
 
@@ -56,13 +58,19 @@ class EvidenceMap {
   std::size_t memory_bytes() const;
 
  private:
-  void drop_older(const geometry::Index3& index, const PlacedSubmap& submap, const Columns& seen,
-                  EvidenceBlock* block) const;
-  static void remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block);
-
-  bool is_near_enough(const PlacedSubmap& submap, const geometry::Vec3& p_W, const EvidenceLeaf& leaf) const;
-  void doubt(const geometry::Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
-             EvidenceBlock* block) const;
+  /// What a newer submap says of one block.
+  struct Newer {
+    const geometry::Index3& index;
+    const PlacedSubmap& submap;
+    const PlacedLeaves::Around& around;
+    const PlacedSubmap::FreeInBlock& free;
+    const Columns& seen;  ///< voxels in which it has points
+  };
+  void drop_older(const Newer& newer, EvidenceBlock* block) const;
+  bool doubt(const Newer& newer, EvidenceBlock* block) const;
+  void drop_doubted(const Newer& newer, EvidenceBlock* block) const;
+  bool is_near_enough(const Newer& newer, const EvidenceLeaf& leaf) const;
+  static void add_leaves(const PlacedSubmap& submap, const PlacedLeaves::Block& leaves, EvidenceBlock* block);
 
   EvidenceRules rules_;
   std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash> blocks_;

@@ -11,10 +11,12 @@ namespace voxnav::submap {
 
 /// An occupied voxel of a window, in voxels from the first voxel of the block in its middle.
 struct WindowLeaf {
-  int x, y, z;
-  geometry::Vec3f mean;  ///< surface point from the centre of the voxel, voxel edges
-  std::uint8_t hits;
+  std::int16_t x, y, z;
+  CompressedField::Leaf leaf;
   float phase;  ///< when it was seen, as a share of the submap's time
+
+  /// Surface point from the centre of the voxel, voxel edges.
+  geometry::Vec3f mean() const { return geometry::Vec3f(leaf.mean[0], leaf.mean[1], leaf.mean[2]) * (1.0f / 254.0f); }
 };
 
 /// One block and up to 8 voxels around it as rows of bits along x: bit x + 8 of the row at (y, z). Unpacked from the
@@ -43,10 +45,10 @@ class FieldWindow {
   }
 
  private:
-  /// A cell with leaves. Voxels: bit 8 row + x of the first and last two layers.
+  /// A cell with leaves.
   struct OccupiedCell {
     int x, y, z;
-    std::array<std::uint64_t, 2> voxels;
+    std::uint64_t voxels;
     const CompressedField::Leaf* leaves;
   };
 
@@ -55,14 +57,18 @@ class FieldWindow {
   void number_leaves();
   void take_leaves(const CompressedField& field, const OccupiedCell& cell);
 
-  std::array<std::uint32_t, kSide * kSide> free_;
-  std::array<std::uint32_t, kSide * kSide> occupied_;
+  using Rows = std::array<std::uint32_t, kSide * kSide>;
+  Rows free_;
+  Rows occupied_;
   std::array<std::uint16_t, kSide * kSide> first_leaf_;
   std::array<std::uint16_t, kSide * kSide> next_leaf_;  ///< of each row, while they are taken
   std::vector<OccupiedCell> cells_;
   std::vector<WindowLeaf> leaves_;
   std::vector<Point> points_;
 };
+
+/// Numbers of the leaves that lie in the block itself.
+std::vector<std::uint16_t> leaves_of_block(const FieldWindow& window);
 
 /// What is known of the surface in a voxel.
 struct LeafNormal {

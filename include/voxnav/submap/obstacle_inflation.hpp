@@ -24,8 +24,6 @@ class BallWindow {
   void copy_to(const geometry::Index3& step, Columns* mask) const;
 
  private:
-  void add_ball(float x, float y, float z, float squared_reach);
-
   std::array<std::uint32_t, kSide * kSide> columns_{};
 };
 

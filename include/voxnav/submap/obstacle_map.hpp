@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/submap/evidence_map.hpp"
-#include "voxnav/submap/obstacle_inflation.hpp"
 
 namespace voxnav::submap {
 
@@ -35,10 +33,8 @@ class ObstacleMap {
   std::size_t memory_bytes() const;
 
  private:
-  using Windows = std::unordered_map<geometry::Index3, std::unique_ptr<BallWindow>, geometry::Index3Hash>;
   void collect_due(const EvidenceMap& evidence);
   bool surface_changed(const geometry::Index3& block, const EvidenceBlock* evidence);
-  void add_reaching(const geometry::Index3& index, const EvidenceMap& evidence, Windows* windows, Columns* mask) const;
 
   double safety_distance_m_;
   double reach_m_;

@@ -13,7 +13,9 @@ namespace voxnav::submap {
 class OwnSurface final : public geometry::DistanceField {
  public:
   /// Takes what it needs from the submap. O(size of the submap).
-  explicit OwnSurface(const Submap& submap);
+  /// @param T_S_B  where the sensor was during the submap, by rising stamps: with it, things that are seen from one
+  /// side lie where their middles are (move_to_middles()); without, where they were hit
+  explicit OwnSurface(const Submap& submap, const std::vector<geometry::StampedPose>& T_S_B = {});
 
   bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
   const std::vector<geometry::SurfacePoint>& surface_points() const override { return own_->surface_points(); }
@@ -28,6 +30,7 @@ class OwnSurface final : public geometry::DistanceField {
 };
 
 /// OwnSurface of a submap; the submap itself where its distances were measured by rays, which remember nothing.
-std::shared_ptr<const geometry::DistanceField> registration_field(const std::shared_ptr<const Submap>& submap);
+std::shared_ptr<const geometry::DistanceField> registration_field(const std::shared_ptr<const Submap>& submap,
+                                                                  const std::vector<geometry::StampedPose>& T_S_B = {});
 
 }  // namespace voxnav::submap

@@ -52,15 +52,16 @@ struct SubmapEntry {
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
   geometry::Pose T_O_S = geometry::Pose::Identity();
-  geometry::Pose T_W_S = geometry::Pose::Identity();
+  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< of its middle
+  geometry::Bend bend;
   std::vector<geometry::StampedPose> T_S_B;  ///< pose history
   std::shared_ptr<const Submap> submap;
 };
 
 /// All finished submaps and what they say together in the map frame W. A submap says what it saw itself: what its local
 /// map remembered was seen by submaps before it, which say so where they lie now. Where the one before it is absent
-/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything. Not
-/// thread-safe.
+/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything and no
+/// other one saw anything itself: memory that lies wrong would stand beside it. Not thread-safe.
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
@@ -68,8 +69,9 @@ class SubmapCollection {
   /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
   void add(SubmapEntry entry);
+  /// @param bend  what drift did to it while it was made
   /// @return false when there is no such submap
-  bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S);
+  bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S, const geometry::Bend& bend = {});
   bool remove(std::uint32_t id);
   void clear();
 
@@ -129,15 +131,19 @@ class SubmapCollection {
   static Key key_of(const SubmapEntry& entry) { return {entry.flight, entry.end_ns, entry.id}; }
   struct Record {
     SubmapEntry entry;
-    geometry::Pose merged_T_W_S = geometry::Pose::Identity();
+    Placement merged_at;
     bool is_merged = false;
-    Knowledge merged = Knowledge::kOwn;    ///< what counts of it where it is the oldest
-    std::vector<geometry::Index3> blocks;  ///< footprint where it is merged
-    std::size_t bytes = 0;                 ///< of the submap when it came
+    bool remembers = false;                    ///< holds what it did not see itself
+    Knowledge merged = Knowledge::kOwn;        ///< what counts of it where nobody else knows
+    std::vector<geometry::Index3> blocks;      ///< footprint where it is merged
+    std::vector<geometry::Index3> own_blocks;  ///< footprint of what it saw itself, where that is not all that counts
+    std::size_t bytes = 0;                     ///< of the submap when it came
     std::uint64_t last_used = 0;
   };
   Record* record(std::uint32_t id);
-  Knowledge knowledge_of(const SubmapEntry& entry) const;
+  Knowledge knowledge_of(const Record& record) const;
+  bool owns(const Key& key, const geometry::Index3& block) const;
+  bool memory_counts(const geometry::Index3& block, const Key* without = nullptr) const;
   bool has_changed(const Record& record) const;
   void forget(Record* record, std::vector<geometry::Index3>* stale);
   void append(const Key& key, Record* record);
@@ -152,6 +158,7 @@ class SubmapCollection {
   std::map<std::uint32_t, Key> keys_;
   std::unordered_map<geometry::Index3, std::vector<Key>, geometry::Index3Hash> by_block_;  ///< merged, oldest first
   std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
+  std::size_t num_with_memory_ = 0;      ///< merged with what they remember
   std::size_t submap_bytes_ = 0;
   std::uint64_t num_uses_ = 0;
   std::uint64_t num_dropped_ = 0;

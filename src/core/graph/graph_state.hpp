@@ -62,8 +62,7 @@ struct RegistrationPair {
   PairModel model;
   RelativePoseFactor factor;
   double information = 0.0;
-  double phase_a = 0.5;  ///< when each saw what they share, as a share of its time
-  double phase_b = 0.5;
+  bool is_bent_anew = false;  ///< the sway of a submap has changed since the model was made
 };
 
 /// Odometry to the submap before or after.
@@ -141,8 +140,10 @@ int recognise_places(GraphState* state, OptimizeReport* report);
 void update_pairs(GraphState* state, bool is_full, OptimizeReport* report);
 
 /// Renews the models of pairs that have moved since theirs were made.
-/// @return false when the budget of evaluations ran out
-bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int max_evaluations, OptimizeReport* report);
+void linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, OptimizeReport* report);
+
+/// How submaps drifted while they were made, from where their neighbours lie.
+void update_sways(GraphState* state, const std::map<int, Pose4>& poses);
 
 /// Cost of one pair at its present relative pose, from its model.
 double pair_cost(const RegistrationPair& pair, const Pose4& T_A_B);

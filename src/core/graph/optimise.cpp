@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+#include <tuple>
 
 #include "graph_state.hpp"
 
@@ -38,25 +39,23 @@ Estimate between(const Estimate& from, const Estimate& to, double ratio) {
   return out;
 }
 
-/// Gauss-Newton on the whole graph with step halving: each trial renews the models of the pairs that move and counts
-/// only if the true cost falls.
+/// Gauss-Newton on the whole graph: each trial renews the models of the pairs that move and counts only if the true
+/// cost falls. Renewing is what takes the time, so that what is known without it is not tried.
 class Descent {
  public:
   Descent(GraphState* state, int max_evaluations, OptimizeReport* report)
       : state_(state), max_evaluations_(max_evaluations), report_(report) {}
 
-  /// Takes the better of the two by true cost. @return costs of the input
+  /// Goes from the input towards the guess. @return costs of the input
   std::vector<KindReport> start(const Estimate& input, const Estimate& guess) {
     const std::vector<KindReport> before = exact_costs(input);
-    best_ = input;
-    best_cost_ = total(before);
-    accept_if_better(guess);
+    keep(input, total(before));
+    step_towards(guess);
     return before;
   }
 
-  /// Not limited by the budget, as no decision may rest on half of the pairs: at most one evaluation per pair.
   std::vector<KindReport> exact_costs(const Estimate& x) {
-    linearise_pairs(state_, x.poses, std::numeric_limits<int>::max(), report_);
+    linearise_pairs(state_, x.poses, report_);
     return costs_of(*state_, x);
   }
 
@@ -64,36 +63,77 @@ class Descent {
     for (int i = 0; i < state_->config.max_iterations; ++i) {
       ++report_->iterations;
       Estimate target = best_;
-      // Renew the models at the best estimate: a refused trial left them elsewhere.
-      if (!linearise_pairs(state_, best_.poses, max_evaluations_, report_)) return;
       const SolveSummary solved = solve_factors(*state_, 0.0, &target);
       if (!solved.is_usable) return;
       const double move_m = largest_move_m(best_, target);
       report_->is_converged = solved.is_converged && move_m < state_->config.convergence_m;
-      if (!step_towards(target) || report_->is_converged) return;
+      if (report_->is_converged) {
+        try_out(target);
+        return;
+      }
+      if (was_refused(target, move_m) || !step_towards(target)) {
+        // No step along the model's minimum lowers the true cost: this is as good as it gets.
+        report_->is_converged = move_m < 10.0 * state_->config.convergence_m;
+        return;
+      }
     }
   }
 
   const Estimate& best() const { return best_; }
 
  private:
-  bool accept_if_better(const Estimate& trial) {
-    if (!linearise_pairs(state_, trial.poses, max_evaluations_, report_)) return false;
-    const double cost = total(costs_of(*state_, trial));
-    if (!(cost < best_cost_)) return false;
-    best_ = trial;
+  /// The best so far, with the models made there.
+  void keep(const Estimate& best, double cost) {
+    best_ = best;
     best_cost_ = cost;
-    return true;
+    refused_.reset();
+    best_models_.clear();
+    for (const auto& [ids, pair] : state_->pairs) best_models_.push_back({pair.model, pair.factor});
+  }
+  void restore_models() {
+    auto kept = best_models_.begin();
+    for (auto& [ids, pair] : state_->pairs) std::tie(pair.model, pair.factor) = *kept++;
   }
 
-  bool step_towards(const Estimate& target) {
-    const Estimate origin = best_;
-    for (const double ratio : {1.0, 0.5, 0.25}) {
-      if (accept_if_better(ratio == 1.0 ? target : between(origin, target, ratio))) return true;
+  double model_cost(const Estimate& x) const { return total(costs_of(*state_, x)); }
+
+  /// Near the best estimate the models made there know as well as the pairs themselves that a step does not pay.
+  bool is_hopeless(const Estimate& trial) const {
+    constexpr double kModelsHold_m = 0.1;
+    return largest_move_m(best_, trial) < kModelsHold_m && model_cost(trial) >= best_cost_;
+  }
+  /// Whether next to nothing lies between a target and one that was in vain.
+  bool was_refused(const Estimate& target, double move_m) const {
+    return refused_ && largest_move_m(*refused_, target) < 0.2 * move_m;
+  }
+
+  /// Becomes the best if its true cost is lower; leaves the models of the best. What has begun is finished, as no
+  /// decision may rest on half of the pairs: the budget is exceeded by one evaluation per pair at most.
+  /// @return its cost; nothing when the budget was used up
+  std::optional<double> try_out(const Estimate& trial) {
+    if (is_hopeless(trial) || report_->num_pair_evaluations >= max_evaluations_) return std::nullopt;
+    const double cost = total(exact_costs(trial));
+    if (cost < best_cost_) {
+      keep(trial, cost);
+    } else {
+      restore_models();
     }
-    // No step along the model's minimum lowers the true cost: this is as good as it gets.
-    report_->is_converged = largest_move_m(origin, target) < 10.0 * state_->config.convergence_m;
-    return false;
+    return cost;
+  }
+
+  /// All of the way, or as much of it as is best by the parabola through both costs and the slope here.
+  /// @return whether anything was gained
+  bool step_towards(const Estimate& target) {
+    constexpr double kLeastGain = 1e-4;  // of the cost, to be worth another trial
+    const double from = best_cost_;
+    const double slope = 4.0 * model_cost(between(best_, target, 0.5)) - model_cost(target) - 3.0 * from;
+    const std::optional<double> cost = try_out(target);
+    if (best_cost_ < from) return true;
+    refused_ = target;
+    const double curvature = cost ? *cost - from - slope : 0.0;
+    if (!(slope < 0.0) || !(curvature > 0.0) || slope * slope < 4.0 * curvature * kLeastGain * from) return false;
+    try_out(between(best_, target, std::min(0.5, -0.5 * slope / curvature)));
+    return best_cost_ < from;
   }
 
   GraphState* state_;
@@ -101,6 +141,8 @@ class Descent {
   OptimizeReport* report_;
   Estimate best_;
   double best_cost_ = 0.0;
+  std::optional<Estimate> refused_;  ///< since the last gain
+  std::vector<std::pair<PairModel, RelativePoseFactor>> best_models_;
 };
 
 void fill_report(const GraphState& state, const std::vector<KindReport>& before, const std::vector<KindReport>& after,
@@ -141,6 +183,7 @@ OptimizeReport optimise(GraphState* state, bool is_full) {
   // First the pose graph with each new pair as registered by itself, which may be metres away from here.
   solve_factors(*state, state->config.robust_width, &guess);
   judge_loops(state, is_full, &guess);
+  update_sways(state, guess.poses);
   Descent descent(state, max_evaluations, &report);
   const std::vector<KindReport> before = descent.start(input, guess);
   descent.run();

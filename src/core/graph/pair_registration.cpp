@@ -57,18 +57,49 @@ Vec3 believed(const Vec3& slope, const SamplePoint& point, const Vec3& normal) {
   return point.is_planar ? Vec3(slope.dot(normal) * normal) : slope;
 }
 
+/// One side of a pair without its drift: everything lies as what the pair shares does on average.
+class Steady {
+ public:
+  Steady(const SurfaceSample& sample, double phase)
+      : sample_(sample), is_rigid_(sample.sway.is_none()), mean_(sample.sway.at(phase)) {}
+  Vec3 position(const SamplePoint& point) const {
+    return is_rigid_ ? point.position_S : Vec3(point.position_S + sample_.sway.at(point.phase) - mean_);
+  }
+  bool sample(const Vec3& p, double* distance_m, Vec3* slope) const {
+    if (is_rigid_) return sample_.field->sample(p, distance_m, slope);
+    return sample_.field->sample(p - sample_.sway.at(sample_.phases.at(p)) + mean_, distance_m, slope);
+  }
+
+ private:
+  const SurfaceSample& sample_;
+  bool is_rigid_;
+  Vec3 mean_;
+};
+
+/// When the submap saw what it shares, as a share of its time.
+double mean_phase(const SurfaceSample& sample, const std::vector<std::uint32_t>& points) {
+  double weight = 0.0;
+  double sum = 0.0;
+  for (const std::uint32_t i : points) {
+    weight += sample.points[i].weight;
+    sum += sample.points[i].weight * sample.points[i].phase;
+  }
+  return weight > 0.0 ? sum / weight : 0.5;
+}
+
 /// Points of B in the field of A: q = R p + t.
 void add_b_in_a(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T,
                 Sums* sums) {
   const double c = std::cos(T[3]);
   const double s = std::sin(T[3]);
+  const Steady steady_a(a, overlap.phase_a), steady_b(b, overlap.phase_b);
   for (const std::uint32_t i : overlap.of_b) {
     const SamplePoint& point = b.points[i];
-    const Vec3& p = point.position_S;
+    const Vec3 p = steady_b.position(point);
     const Vec3 q(c * p.x() - s * p.y() + T[0], s * p.x() + c * p.y() + T[1], p.z() + T[2]);
     double distance_m = 0.0;
     Vec3 slope;
-    if (!a.field->sample(q, &distance_m, &slope)) {
+    if (!steady_a.sample(q, &distance_m, &slope)) {
       sums->add_lost(point.weight);
       continue;
     }
@@ -85,13 +116,15 @@ void add_a_in_b(const SurfaceSample& a, const SurfaceSample& b, const PairOverla
                 Sums* sums) {
   const double c = std::cos(T[3]);
   const double s = std::sin(T[3]);
+  const Steady steady_a(a, overlap.phase_a), steady_b(b, overlap.phase_b);
   for (const std::uint32_t i : overlap.of_a) {
     const SamplePoint& point = a.points[i];
-    const Vec3 d = point.position_S - T.head<3>();
+    const Vec3 p = steady_a.position(point);
+    const Vec3 d = p - T.head<3>();
     const Vec3 q(c * d.x() + s * d.y(), -s * d.x() + c * d.y(), d.z());
     double distance_m = 0.0;
     Vec3 slope;
-    if (!b.field->sample(q, &distance_m, &slope)) {
+    if (!steady_b.sample(q, &distance_m, &slope)) {
       sums->add_lost(point.weight);
       continue;
     }
@@ -99,7 +132,7 @@ void add_a_in_b(const SurfaceSample& a, const SurfaceSample& b, const PairOverla
     slope = believed(slope, point, {c * n.x() + s * n.y(), -s * n.x() + c * n.y(), n.z()});
     const Pose4 jacobian(-c * slope.x() + s * slope.y(), -s * slope.x() - c * slope.y(), -slope.z(),
                          slope.x() * q.y() - slope.y() * q.x());
-    sums->add(point.weight, distance_m - point.own_distance_m, jacobian, point.position_S.head<2>());
+    sums->add(point.weight, distance_m - point.own_distance_m, jacobian, p.head<2>());
   }
 }
 
@@ -122,6 +155,8 @@ PairOverlap find_overlap(const SurfaceSample& a, const SurfaceSample& b, const P
   out.of_b = points_inside(b, a, T, max_points, &ratio_b);
   out.of_a = points_inside(a, b, T.inverse(), max_points, &ratio_a);
   out.ratio = std::max(ratio_a, ratio_b);
+  out.phase_a = mean_phase(a, out.of_a);
+  out.phase_b = mean_phase(b, out.of_b);
   return out;
 }
 

@@ -2,6 +2,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "graph_state.hpp"
 
@@ -19,17 +20,6 @@ double size_of(const PairOverlap& overlap) { return static_cast<double>(overlap.
 /// Share of the pair's weight that its kernel calls outliers.
 double misfit(const PairModel& model, double kernel_m) { return model.cost_m2 / (kernel_m * kernel_m); }
 
-/// When the submap saw what it shares, as a share of its time.
-double mean_phase(const SurfaceSample& sample, const std::vector<std::uint32_t>& points) {
-  double weight = 0.0;
-  double sum = 0.0;
-  for (const std::uint32_t i : points) {
-    weight += sample.points[i].weight;
-    sum += sample.points[i].weight * sample.points[i].phase;
-  }
-  return weight > 0.0 ? sum / weight : 0.5;
-}
-
 void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair) {
   const SubmapGraphConfig& config = state.config;
   pair->overlap =
@@ -38,8 +28,6 @@ void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   pair->is_active = pair->overlap.ratio >= config.min_overlap_ratio && size >= config.min_points_per_pair;
   const double fullness = std::min(1.0, size / (2.0 * config.points_per_pair));
   pair->information = config.registration_effective_points * fullness / std::pow(config.registration_sigma_m, 2);
-  pair->phase_a = mean_phase(state.nodes.at(pair->a).sample, pair->overlap.of_a);
-  pair->phase_b = mean_phase(state.nodes.at(pair->b).sample, pair->overlap.of_b);
 }
 
 void set_model(const GraphState& state, const PairModel& model, RegistrationPair* pair) {
@@ -195,8 +183,8 @@ SeenFrom seen_from(const GraphState& state, int id, double phase) {
 }
 
 Pose4 seen_relative(const GraphState& state, const std::map<int, Pose4>& poses, const RegistrationPair& pair) {
-  return relative(seen_from(state, pair.a, pair.phase_a).pose(poses),
-                  seen_from(state, pair.b, pair.phase_b).pose(poses));
+  return relative(seen_from(state, pair.a, pair.overlap.phase_a).pose(poses),
+                  seen_from(state, pair.b, pair.overlap.phase_b).pose(poses));
 }
 
 double support_of(const GraphState& state, const RegistrationPair& pair) {
@@ -229,14 +217,36 @@ void update_pairs(GraphState* state, bool is_full, OptimizeReport* report) {
   }
 }
 
-bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int max_evaluations,
-                     OptimizeReport* report) {
+void update_sways(GraphState* state, const std::map<int, Pose4>& poses) {
+  constexpr double kTolerance_m = 0.03;
+  constexpr double kMost_m = 1.0;  // more is no drift but a jump
+  std::set<int> changed;
+  for (auto& [id, node] : state->nodes) {
+    if (!node.sample.field) continue;
+    const auto shift_at = [&, id = id](double phase) -> geometry::Vec3 {
+      const Pose4 shift = relative(poses.at(id), seen_from(*state, id, phase).pose(poses));
+      return shift.head<3>().norm() < kMost_m ? geometry::Vec3(shift.head<3>())
+                                              : geometry::Vec3(geometry::Vec3::Zero());
+    };
+    const Sway sway{shift_at(0.0), shift_at(1.0)};
+    const double change_m =
+        std::max((sway.begin_S - node.sample.sway.begin_S).norm(), (sway.end_S - node.sample.sway.end_S).norm());
+    if (change_m < kTolerance_m) continue;
+    node.sample.sway = sway;
+    changed.insert(id);
+  }
+  for (auto& [ids, pair] : state->pairs) pair.is_bent_anew |= changed.count(pair.a) > 0 || changed.count(pair.b) > 0;
+}
+
+void linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, OptimizeReport* report) {
   constexpr double kToleranceVoxels = 0.02;
   for (auto& [ids, pair] : state->pairs) {
     if (!pair.is_active) continue;
     const Pose4 T_A_B = seen_relative(*state, poses, pair);
-    if (motion_m(pair.model.T_A_B, T_A_B, pair.model.radius_m) < state->kernel_m(pair, kToleranceVoxels)) continue;
-    if (report->num_pair_evaluations >= max_evaluations) return false;
+    const bool has_moved =
+        motion_m(pair.model.T_A_B, T_A_B, pair.model.radius_m) >= state->kernel_m(pair, kToleranceVoxels);
+    if (!has_moved && !pair.is_bent_anew) continue;
+    pair.is_bent_anew = false;
     ++report->num_pair_evaluations;
     const double fine_m = state->kernel_m(pair, state->config.fine_kernel_voxels);
     set_model(
@@ -244,7 +254,6 @@ bool linearise_pairs(GraphState* state, const std::map<int, Pose4>& poses, int m
         evaluate_pair(state->nodes.at(pair.a).sample, state->nodes.at(pair.b).sample, pair.overlap, T_A_B, fine_m),
         &pair);
   }
-  return true;
 }
 
 }  // namespace voxnav::graph

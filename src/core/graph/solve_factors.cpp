@@ -127,8 +127,8 @@ void add_relatives(const GraphState& state, double pair_loss_width, Estimate* x,
   if (!state.uses(ConstraintKind::kRegistration)) return;
   for (const auto& [ids, pair] : state.pairs) {
     if (!pair.is_active) continue;
-    auto* cost =
-        new SeenPairCost(pair.factor, seen_from(state, pair.a, pair.phase_a), seen_from(state, pair.b, pair.phase_b));
+    auto* cost = new SeenPairCost(pair.factor, seen_from(state, pair.a, pair.overlap.phase_a),
+                                  seen_from(state, pair.b, pair.overlap.phase_b));
     std::vector<double*> blocks;
     for (const int id : cost->ids()) blocks.push_back(x->poses[id].data());
     problem->AddResidualBlock(cost, cauchy(pair_loss_width), blocks);

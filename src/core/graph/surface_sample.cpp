@@ -13,6 +13,8 @@ namespace {
 
 using geometry::SurfacePoint;
 
+constexpr double kPhaseCell_m = 1.6;
+constexpr double kMostPhaseCells = 1e5;
 constexpr float kUprightNormalZ = 0.7f;  // 45 degrees
 constexpr float kPlanarWeight = 0.5f;    // only points in planes weigh more
 
@@ -68,8 +70,44 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
                             point.normal.cast<double>(), point.weight > kPlanarWeight, point.phase});
     }
   }
+  out.phases = PhaseGrid(all);
   out.field = std::move(field);
   return out;
+}
+
+PhaseGrid::PhaseGrid(const std::vector<SurfacePoint>& points) {
+  geometry::Aabb box;
+  for (const SurfacePoint& point : points) {
+    if (point.position.allFinite()) box.extend(point.position.cast<double>());
+  }
+  if (box.empty()) return;
+  origin_ = box.min;
+  const geometry::Vec3 span = box.max - box.min;
+  cell_m_ = std::max({kPhaseCell_m, span.maxCoeff() / kMostPhaseCells, std::cbrt(span.prod() / kMostPhaseCells)});
+  // Level ground, at the lowest height of all, is not to lie on the border of two cells.
+  origin_ -= geometry::Vec3::Constant(0.5 * cell_m_);
+  size_ = (span / cell_m_).array().cast<int>() + 2;
+  phases_.assign(static_cast<std::size_t>(size_.prod()), 0.0f);
+  std::vector<float> counts(phases_.size(), 0.0f);
+  for (const SurfacePoint& point : points) {
+    if (!point.position.allFinite()) continue;
+    const std::size_t cell = *cell_of(point.position.cast<double>());
+    phases_[cell] += point.phase;
+    counts[cell] += 1.0f;
+  }
+  for (std::size_t i = 0; i < phases_.size(); ++i) phases_[i] = counts[i] > 0.0f ? phases_[i] / counts[i] : 0.5f;
+}
+
+std::optional<std::size_t> PhaseGrid::cell_of(const geometry::Vec3& p_S) const {
+  const Eigen::Array3d at = (p_S - origin_).array() / cell_m_;
+  if (!((at >= 0.0) && (at < size_.cast<double>())).all()) return std::nullopt;
+  const Eigen::Array3i i = at.cast<int>();
+  return static_cast<std::size_t>(i.x() + size_.x() * (i.y() + size_.y() * i.z()));
+}
+
+double PhaseGrid::at(const geometry::Vec3& p_S) const {
+  const std::optional<std::size_t> cell = cell_of(p_S);
+  return cell ? static_cast<double>(phases_[*cell]) : 0.5;
 }
 
 SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m) {

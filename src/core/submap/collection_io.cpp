@@ -13,7 +13,9 @@ namespace voxnav::submap {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x43535856;  // "VXSC"
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kFirstBentVersion = 3;  // before, every submap was rigid
+constexpr std::uint32_t kOldestVersion = 2;
 constexpr std::uint32_t kRecord = 0x43455256;  // "VREC", before every record, so that reading finds its way again
 const char* const kIndexName = "index.vxi";
 
@@ -44,6 +46,8 @@ void put_entry(const SubmapEntry& entry, std::uint32_t sum, base::ByteWriter* ou
   out->put(entry.end_ns);
   put_pose(entry.T_O_S, out);
   put_pose(entry.T_W_S, out);
+  put_pose(entry.bend.T_S_begin, out);
+  put_pose(entry.bend.T_S_end, out);
   out->put<std::uint64_t>(entry.T_S_B.size());
   for (const geometry::StampedPose& pose : entry.T_S_B) {
     out->put(pose.stamp_ns);
@@ -51,7 +55,7 @@ void put_entry(const SubmapEntry& entry, std::uint32_t sum, base::ByteWriter* ou
   }
 }
 
-SubmapEntry get_entry(base::ByteReader* in, std::uint32_t* sum) {
+SubmapEntry get_entry(std::uint32_t version, base::ByteReader* in, std::uint32_t* sum) {
   SubmapEntry entry;
   entry.id = in->get<std::uint32_t>();
   entry.flight = in->get<std::uint32_t>();
@@ -60,6 +64,10 @@ SubmapEntry get_entry(base::ByteReader* in, std::uint32_t* sum) {
   entry.end_ns = in->get<base::StampNs>();
   entry.T_O_S = get_pose(in);
   entry.T_W_S = get_pose(in);
+  if (version >= kFirstBentVersion) {
+    entry.bend.T_S_begin = get_pose(in);
+    entry.bend.T_S_end = get_pose(in);
+  }
   entry.T_S_B.resize(in->get_count(sizeof(base::StampNs) + 16 * sizeof(double)));
   for (geometry::StampedPose& pose : entry.T_S_B) {
     pose.stamp_ns = in->get<base::StampNs>();
@@ -104,6 +112,7 @@ struct Index {
     SubmapEntry entry;
     std::uint32_t sum = 0;
   };
+  std::uint32_t version = kVersion;
   std::optional<SubmapCollectionConfig> settings;
   std::size_t num_submaps = 0;  ///< as the settings say
   std::vector<Listed> listed;
@@ -116,7 +125,7 @@ void take_record(const std::string& bytes, bool is_first, const std::string& nam
     index->settings = get_settings(&in, &index->num_submaps);
   } else {
     Index::Listed listed;
-    listed.entry = get_entry(&in, &listed.sum);
+    listed.entry = get_entry(index->version, &in, &listed.sum);
     index->listed.push_back(std::move(listed));
   }
   if (in.remaining() != 0) in.fail("has a record of the wrong length");
@@ -124,10 +133,9 @@ void take_record(const std::string& bytes, bool is_first, const std::string& nam
 
 /// Takes every record whose checksum fits; after a broken one it looks for the next mark.
 /// @param problem  null: the first broken record throws; else the reason of the first
-Index read_records(const std::string& bytes, const std::string& name, std::string* problem) {
+void read_records(const std::string& bytes, const std::string& name, std::string* problem, Index* index) {
   constexpr std::size_t kFirst = 2 * sizeof(std::uint32_t);
   const std::string mark(reinterpret_cast<const char*>(&kRecord), sizeof(kRecord));
-  Index index;
   std::size_t at = kFirst;
   while ((at = bytes.find(mark, at)) != std::string::npos) {
     std::uint32_t size = 0;
@@ -136,7 +144,7 @@ Index read_records(const std::string& bytes, const std::string& name, std::strin
     std::memcpy(&size, bytes.data() + at + sizeof(kRecord), sizeof(size));
     try {
       if (size > bytes.size() - start) throw std::invalid_argument(name + " ends within a record");
-      take_record(bytes.substr(start, size), at == kFirst, name, &index);
+      take_record(bytes.substr(start, size), at == kFirst, name, index);
       at = start + size;
     } catch (const std::invalid_argument& error) {
       if (!problem) throw;
@@ -144,22 +152,24 @@ Index read_records(const std::string& bytes, const std::string& name, std::strin
       at += mark.size();
     }
   }
-  return index;
 }
 
 /// @param problems  null: anything broken throws
 Index read_index(const std::string& path, std::vector<std::string>* problems) {
   const std::string bytes = read_file(path);
   std::string problem;
+  Index index;
   try {
     base::ByteReader in(bytes, path);
     if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map index");
-    if (in.get<std::uint32_t>() != kVersion) in.fail("has a version this program does not know");
+    const auto version = in.get<std::uint32_t>();
+    if (version < kOldestVersion || version > kVersion) in.fail("has a version this program does not know");
+    index.version = version;
   } catch (const std::invalid_argument& error) {
     if (!problems) throw;
     problem = error.what();
   }
-  Index index = read_records(bytes, path, problems ? &problem : nullptr);
+  read_records(bytes, path, problems ? &problem : nullptr, &index);
   const bool is_whole = index.settings && index.listed.size() == index.num_submaps;
   if (!is_whole && problem.empty()) problem = path + " does not hold what it announces";
   if (problem.empty()) return index;

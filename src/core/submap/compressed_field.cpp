@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "voxnav/submap/voxel_walk.hpp"
-
 namespace voxnav::submap {
 namespace {
 
@@ -12,31 +10,12 @@ using containers::State;
 using geometry::Index3;
 using geometry::Vec3;
 
-State state_in(const std::array<std::uint64_t, 2>& states, int voxel) {
-  return static_cast<State>((states[voxel >> 5] >> (2 * (voxel & 31))) & 3u);
-}
-
 /// Moves bit i to bit 4 i.
 std::uint64_t spread_by_four(std::uint64_t bits) {
   bits = (bits | (bits << 24)) & 0x000000FF000000FFull;
   bits = (bits | (bits << 12)) & 0x000F000F000F000Full;
   bits = (bits | (bits << 6)) & 0x0303030303030303ull;
   return (bits | (bits << 3)) & 0x1111111111111111ull;
-}
-
-/// Moves bit 2 i to bit i.
-std::uint64_t gather_even(std::uint64_t bits) {
-  bits &= 0x5555555555555555ull;
-  bits = (bits | (bits >> 1)) & 0x3333333333333333ull;
-  bits = (bits | (bits >> 2)) & 0x0F0F0F0F0F0F0F0Full;
-  bits = (bits | (bits >> 4)) & 0x00FF00FF00FF00FFull;
-  bits = (bits | (bits >> 8)) & 0x0000FFFF0000FFFFull;
-  return (bits | (bits >> 16)) & 0x00000000FFFFFFFFull;
-}
-
-/// One of the two bits of each voxel of a cell.
-std::uint64_t bit_of_each(const std::array<std::uint64_t, 2>& states, int bit) {
-  return gather_even(states[0] >> bit) | gather_even(states[1] >> bit) << 32;
 }
 
 /// A bit per voxel of a cell as columns of four, x fastest: it comes in four layers of 16 voxels.
@@ -79,21 +58,16 @@ const CompressedField::Block* CompressedField::find(const Index3& index) const {
 ColumnBlock CompressedField::columns(std::size_t i) const {
   const Block& block = blocks_[i];
   ColumnBlock out;
-  for (int cell = 0; cell < kCells; ++cell) {
-    const std::uint8_t code = block.codes[cell];
-    if (code == kAllUnknown) continue;
-    const CellStates states = cell_states(block, cell);
+  for (std::uint64_t cells = block.near_cells | block.open_cells | block.mixed_cells; cells != 0; cells &= cells - 1) {
+    const int cell = __builtin_ctzll(cells);
     const int first = offset_of(cell, 0);
-    std::uint16_t* free = &out.free[static_cast<std::size_t>(first & 255)];
-    add_nibbles(code == kAllFree ? ~std::uint64_t{0} : columns_of_cell(free_of(states)), first >> 8, free);
-    if (code < kFirstNear) continue;
-    add_nibbles(columns_of_cell(bit_of_each(states, 1)), first >> 8,
-                &out.occupied[static_cast<std::size_t>(first & 255)]);
+    const auto column = static_cast<std::size_t>(first & 255);
+    add_nibbles(columns_of_cell(free_of(block, cell)), first >> 8, &out.free[column]);
+    if (has(block.near_cells, cell))
+      add_nibbles(columns_of_cell(occupied_of(block, cell)), first >> 8, &out.occupied[column]);
   }
   return out;
 }
-
-std::uint64_t CompressedField::free_of(const CellStates& states) { return bit_of_each(states, 0); }
 
 Columns CompressedField::own_free(std::size_t i) const {
   if (has_values_) return columns(i).free;
@@ -102,8 +76,7 @@ Columns CompressedField::own_free(std::size_t i) const {
   Columns out{};
   for (std::uint64_t cells = block.own_cells | block.partly_own_cells; cells != 0; cells &= cells - 1) {
     const int cell = __builtin_ctzll(cells);
-    const bool is_whole = (block.own_cells >> cell) & 1;
-    const std::uint64_t free = is_whole ? free_of(cell_states(block, cell)) : own_free_[next++];
+    const std::uint64_t free = has(block.own_cells, cell) ? free_of(block, cell) : own_free_[next++];
     const int first = offset_of(cell, 0);
     add_nibbles(columns_of_cell(free), first >> 8, &out[static_cast<std::size_t>(first & 255)]);
   }
@@ -115,95 +88,44 @@ State CompressedField::state(const Index3& voxel) const {
   return block ? state_in_block(*block, geometry::offset_in_block(voxel)) : State::kUnknown;
 }
 
-CompressedField::CellStates CompressedField::cell_states(const Block& block, int cell) const {
-  const std::uint8_t code = block.codes[cell];
-  if (code >= kFirstNear) return near_[block.first_near + code - kFirstNear];
-  if (code >= kFirstStates) return states_[block.first_states + code - kFirstStates];
-  const std::uint64_t word = code == kAllFree ? 0x5555555555555555ull : 0;
-  return {word, word};
-}
-
 State CompressedField::state_in_block(const Block& block, int offset) const {
-  const std::uint8_t code = block.codes[cell_of(offset)];
-  if (code == kAllUnknown) return State::kUnknown;
-  if (code == kAllFree) return State::kFree;
-  const CellStates& states = code < kFirstNear ? states_[block.first_states + code - kFirstStates]
-                                               : near_[block.first_near + code - kFirstNear];
-  return state_in(states, voxel_in_cell(offset));
+  const int cell = cell_of(offset);
+  const int voxel = voxel_in_cell(offset);
+  if (has(occupied_of(block, cell), voxel)) return State::kOccupied;
+  return has(free_of(block, cell), voxel) ? State::kFree : State::kUnknown;
 }
 
 std::optional<float> CompressedField::value(const Index3& voxel) const {
   const Block* block = has_values_ ? find(geometry::block_of(voxel)) : nullptr;
   if (!block) return std::nullopt;
   const int offset = geometry::offset_in_block(voxel);
-  const std::uint8_t code = block->codes[cell_of(offset)];
-  if (code < kFirstNear) return std::nullopt;
-  const std::int8_t stored = values_[block->first_near + code - kFirstNear][voxel_in_cell(offset)];
+  const int cell = cell_of(offset);
+  if (!has(block->near_cells, cell)) return std::nullopt;
+  const std::int8_t stored = values_[near_of(*block, cell)][voxel_in_cell(offset)];
   if (stored == kNoValue) return std::nullopt;
   return static_cast<float>(stored * band_ / 127.0);
 }
 
 void CompressedField::search_block(const Block& block, const Vec3& p, Target target, Nearest* best) const {
   constexpr double kCellSide = 4.0;
-  for (std::uint64_t cells = block.occupied_cells; cells != 0; cells &= cells - 1) {
+  std::size_t near = block.first_near;
+  for (std::uint64_t cells = block.near_cells; cells != 0; cells &= cells - 1, ++near) {
     const int cell = __builtin_ctzll(cells);
     if (squared_to_cube(p, geometry::voxel_at(block.index, offset_of(cell, 0)), kCellSide, nullptr) >= best->squared)
       continue;
-    const std::size_t near = block.first_near + block.codes[cell] - kFirstNear;
-    std::uint32_t leaf = first_leaf_[near];
-    for (int word = 0; word < 2; ++word) {
-      for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0;
-           occupied &= occupied - 1) {
-        const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
-        const Index3 index = geometry::voxel_at(block.index, offset_of(cell, voxel));
-        Vec3 point = surface_point(index, leaves_[leaf++]);
-        const double squared =
-            target == Target::kSurfacePoint ? (p - point).squaredNorm() : squared_to_cube(p, index, 1.0, &point);
-        if (squared < best->squared) *best = {point, squared};
-      }
+    std::size_t leaf = first_leaf_of(block, near);
+    for (std::uint64_t occupied = occupied_[near]; occupied != 0; occupied &= occupied - 1) {
+      const Index3 index = geometry::voxel_at(block.index, offset_of(cell, __builtin_ctzll(occupied)));
+      Vec3 point = surface_point(index, leaves_[leaf++]);
+      const double squared =
+          target == Target::kSurfacePoint ? (p - point).squaredNorm() : squared_to_cube(p, index, 1.0, &point);
+      if (squared < best->squared) *best = {point, squared};
     }
   }
-}
-
-bool CompressedField::has_own_point_within(const Block& block, int cell, const Vec3& p, double squared) const {
-  const std::size_t near = block.first_near + block.codes[static_cast<std::size_t>(cell)] - kFirstNear;
-  std::uint32_t leaf = first_leaf_[near];
-  const Index3 first = geometry::voxel_at(block.index, offset_of(cell, 0));
-  const Vec3 from = p - Vec3(first.x, first.y, first.z);
-  for (int word = 0; word < 2; ++word) {
-    for (std::uint64_t occupied = near_[near][word] & 0xAAAAAAAAAAAAAAAAull; occupied != 0; occupied &= occupied - 1) {
-      const int voxel = 32 * word + (__builtin_ctzll(occupied) >> 1);
-      const Index3 inside{voxel & 3, (voxel >> 2) & 3, voxel >> 4};
-      const Leaf* own = own_leaf(leaf++);
-      if (own && (from - surface_point(inside, *own)).squaredNorm() < squared) return true;
-    }
-  }
-  return false;
-}
-
-bool CompressedField::has_own_surface_within(const Vec3& p, double distance) const {
-  constexpr int kCellShift = 2;
-  const Index3 low = floor_index(p - Vec3::Constant(distance)), high = floor_index(p + Vec3::Constant(distance));
-  Index3 at{1 << 30, 0, 0};
-  const Block* block = nullptr;
-  Index3 cell;
-  for (cell.z = low.z >> kCellShift; cell.z <= high.z >> kCellShift; ++cell.z) {
-    for (cell.y = low.y >> kCellShift; cell.y <= high.y >> kCellShift; ++cell.y) {
-      for (cell.x = low.x >> kCellShift; cell.x <= high.x >> kCellShift; ++cell.x) {
-        const Index3 index{cell.x >> kCellShift, cell.y >> kCellShift, cell.z >> kCellShift};
-        if (index != at) block = find(index);
-        at = index;
-        const int i = (cell.x & 3) | (cell.y & 3) << 2 | (cell.z & 3) << 4;
-        if (!block || ((block->occupied_cells >> i) & 1u) == 0) continue;
-        if (has_own_point_within(*block, i, p, distance * distance)) return true;
-      }
-    }
-  }
-  return false;
 }
 
 void CompressedField::search_near_block(const Block& block, const Vec3& p, Target target, Nearest* best) const {
-  if (block.occupied_cells == 0) return;
+  if (block.near_cells == 0) return;
   const Index3 first = geometry::voxel_at(block.index, 0);
   if (squared_to_cube(p, first, geometry::kBlockSide, nullptr) < best->squared) search_block(block, p, target, best);
 }
@@ -241,11 +163,9 @@ std::optional<CompressedField::Nearest> CompressedField::nearest(const Vec3& p, 
 }
 
 std::size_t CompressedField::memory_bytes() const {
-  return sizeof(*this) + blocks_.capacity() * sizeof(Block) + states_.capacity() * sizeof(CellStates) +
-         near_.capacity() * sizeof(CellStates) + first_leaf_.capacity() * sizeof(std::uint32_t) +
-         values_.capacity() * sizeof(CellValues) + (leaves_.capacity() + own_leaves_.capacity()) * sizeof(Leaf) +
-         (own_bits_.capacity() + own_free_.capacity()) * sizeof(std::uint64_t) + own_times_.capacity() +
-         own_before_.capacity() * sizeof(std::uint32_t) + table_.capacity() * sizeof(std::int32_t);
+  const auto bytes = [](const auto&... vectors) { return ((vectors.capacity() * sizeof(vectors[0])) + ...); };
+  return sizeof(*this) + bytes(blocks_, free_, occupied_, leaf_offsets_, values_, leaves_, own_bits_, own_before_,
+                               own_times_, changed_bits_, changed_before_, own_leaves_, own_free_, table_);
 }
 
 }  // namespace voxnav::submap

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "cell_bits.hpp"
 #include "voxnav/base/check.hpp"
 #include "voxnav/submap/compressed_field.hpp"
 
@@ -72,26 +73,22 @@ CompressedField::CompressedField(const std::vector<FilledBlock>& blocks, double 
 
 void CompressedField::shrink() {
   blocks_.shrink_to_fit();
-  states_.shrink_to_fit();
-  near_.shrink_to_fit();
+  free_.shrink_to_fit();
+  occupied_.shrink_to_fit();
   values_.shrink_to_fit();
   leaves_.shrink_to_fit();
   own_bits_.shrink_to_fit();
-  own_leaves_.shrink_to_fit();
   own_times_.shrink_to_fit();
+  changed_bits_.shrink_to_fit();
+  own_leaves_.shrink_to_fit();
   own_free_.shrink_to_fit();
-}
-
-int CompressedField::count_occupied(const CellStates& states) {
-  constexpr std::uint64_t kHighBits = 0xAAAAAAAAAAAAAAAAull;
-  return __builtin_popcountll(states[0] & kHighBits) + __builtin_popcountll(states[1] & kHighBits);
 }
 
 CompressedField::Block CompressedField::new_block(const Index3& index) const {
   Block block;
   block.index = index;
-  block.first_states = static_cast<std::uint32_t>(states_.size());
-  block.first_near = static_cast<std::uint32_t>(near_.size());
+  block.first_near = static_cast<std::uint32_t>(occupied_.size());
+  block.first_free = static_cast<std::uint32_t>(free_.size());
   block.first_own_free = static_cast<std::uint32_t>(own_free_.size());
   return block;
 }
@@ -116,13 +113,14 @@ void CompressedField::add_block(const occupancy::ContentBlock& content) {
     std::array<std::uint8_t, 16> moved;
     const std::uint8_t* from = &bytes[static_cast<std::size_t>(offset_of(cell, 0) / 4)];
     for (std::size_t row = 0; row < moved.size(); ++row) moved[row] = from[(row & 3) * 4 + (row >> 2) * 64];
-    CellStates states;
+    std::array<std::uint64_t, 2> states;
     std::memcpy(states.data(), moved.data(), moved.size());
+    const std::uint64_t free = bit_of_each(states, 0), occupied = bit_of_each(states, 1);
     const std::vector<LeafPair>& leaves = by_cell[static_cast<std::size_t>(cell)];
-    if (count_occupied(states) != static_cast<int>(leaves.size()))
+    if (occupancy::count_bits(occupied) != leaves.size())
       throw std::invalid_argument("map content has leaves that do not match its states");
-    add_cell(cell, states, nullptr, &block);
-    add_own_free(cell, bits_of_cell(content.own_free, cell), states, &block);
+    add_cell(cell, free, occupied, nullptr, &block);
+    add_own_free(cell, bits_of_cell(content.own_free, cell), free, &block);
     for (const LeafPair& pair : leaves) add_leaf(pair.leaf, pair.own, pair.own_time);
   }
   blocks_.push_back(block);
@@ -132,15 +130,15 @@ void CompressedField::add_block(const FilledBlock& filled) {
   Block block = new_block(filled.index);
   auto leaf = filled.leaves.begin();
   for (int cell = 0; cell < kCells; ++cell) {
-    CellStates states{};
+    std::uint64_t free = 0, occupied = 0;
     CellValues values;
     values.fill(kNoValue);
     bool has_value = false;
-    const std::size_t first_leaf = leaves_.size();
     for (int voxel = 0; voxel < kCells; ++voxel) {
       const int offset = offset_of(cell, voxel);
       const State state = filled.states.get(offset);
-      states[voxel >> 5] |= static_cast<std::uint64_t>(state) << (2 * (voxel & 31));
+      if (state == State::kFree) free |= std::uint64_t{1} << voxel;
+      if (state == State::kOccupied) occupied |= std::uint64_t{1} << voxel;
       const float value = filled.values.empty() ? std::nanf("") : filled.values[static_cast<std::size_t>(offset)];
       if (value <= band_) values[voxel] = rounded(std::max(-1.0, value / band_) * 127.0);
       has_value |= value <= band_;
@@ -150,54 +148,60 @@ void CompressedField::add_block(const FilledBlock& filled) {
       VOXNAV_CHECK(leaf != filled.leaves.end() && leaf->offset == offset, "an occupied voxel has no leaf");
       leaves_.push_back({leaf->mean, leaf->hits});
     }
-    add_cell(cell, states, has_value || leaves_.size() > first_leaf ? &values : nullptr, &block);
+    add_cell(cell, free, occupied, has_value || occupied != 0 ? &values : nullptr, &block);
   }
   blocks_.push_back(block);
 }
 
-void CompressedField::add_cell(int cell, const CellStates& states, const CellValues* values, Block* block) {
-  constexpr std::uint64_t kAllFreeWord = 0x5555555555555555ull;
-  if (values || count_occupied(states) > 0) {
-    block->codes[cell] = static_cast<std::uint8_t>(kFirstNear + block->num_near++);
-    near_.push_back(states);
+void CompressedField::add_cell(int cell, std::uint64_t free, std::uint64_t occupied, const CellValues* values,
+                               Block* block) {
+  const std::uint64_t bit = std::uint64_t{1} << cell;
+  if (values || occupied != 0) {
+    block->near_cells |= bit;
+    occupied_.push_back(occupied);
     if (values) values_.push_back(*values);
-  } else if (states[0] == kAllFreeWord && states[1] == kAllFreeWord) {
-    block->codes[cell] = kAllFree;
-  } else if ((states[0] | states[1]) != 0) {
-    block->codes[cell] = static_cast<std::uint8_t>(kFirstStates + states_.size() - block->first_states);
-    states_.push_back(states);
+  }
+  if (free == 0) return;
+  if (free == ~occupied) {
+    block->open_cells |= bit;
+  } else {
+    block->mixed_cells |= bit;
+    free_.push_back(free);
   }
 }
 
+/// Of words of bits: bits before each.
+std::vector<std::uint32_t> CompressedField::counts_before(const std::vector<std::uint64_t>& words) {
+  std::vector<std::uint32_t> out;
+  out.reserve(words.size());
+  std::uint32_t count = 0;
+  for (const std::uint64_t word : words) {
+    out.push_back(count);
+    count += occupancy::count_bits(word);
+  }
+  return out;
+}
+
 void CompressedField::link() {
-  std::uint32_t leaf = 0;
-  first_leaf_.clear();
-  first_leaf_.reserve(near_.size());
-  for (const CellStates& near : near_) {
-    first_leaf_.push_back(leaf);
-    leaf += static_cast<std::uint32_t>(count_occupied(near));
-  }
-  own_before_.clear();
-  own_before_.reserve(own_bits_.size());
-  std::uint32_t own = 0;
-  for (const std::uint64_t word : own_bits_) {
-    own_before_.push_back(own);
-    own += static_cast<std::uint32_t>(__builtin_popcountll(word));
-  }
+  own_before_ = counts_before(own_bits_);
+  changed_before_ = counts_before(changed_bits_);
+  leaf_offsets_.clear();
+  leaf_offsets_.reserve(occupied_.size());
   std::size_t size = 16;
   while (size < 2 * blocks_.size()) size *= 2;
   table_.assign(size, -1);
+  std::uint32_t leaf = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     Block& block = blocks_[i];
-    block.occupied_cells = 0;
-    block.num_near = 0;
-    for (int cell = 0; cell < kCells; ++cell) {
-      if (block.codes[cell] < kFirstNear) continue;
-      ++block.num_near;
-      const CellStates& near = near_[block.first_near + block.codes[cell] - kFirstNear];
-      if (count_occupied(near) > 0) block.occupied_cells |= std::uint64_t{1} << cell;
+    block.first_leaf = leaf;
+    std::uint32_t num_leaves = 0;
+    const std::size_t end_near = block.first_near + occupancy::count_bits(block.near_cells);
+    for (std::size_t near = block.first_near; near < end_near; ++near) {
+      leaf_offsets_.push_back(static_cast<std::uint16_t>(num_leaves));
+      num_leaves += occupancy::count_bits(occupied_[near]);
     }
-    block.has_own = has_values_ || (block.own_cells | block.partly_own_cells) != 0 || has_own_leaf(block);
+    leaf += num_leaves;
+    block.has_own = has_values_ || (block.own_cells | block.partly_own_cells) != 0 || has_own_leaf(block, num_leaves);
     std::size_t slot = geometry::Index3Hash{}(block.index) & (size - 1);
     while (table_[slot] >= 0) slot = (slot + 1) & (size - 1);
     table_[slot] = static_cast<std::int32_t>(i);

@@ -17,19 +17,52 @@ geometry::Aabb block_box(const Index3& block, double side_m) {
   return {Vec3(block.x, block.y, block.z) * side_m, Vec3(block.x + 1, block.y + 1, block.z + 1) * side_m};
 }
 
-bool has(const Columns& columns, const EvidenceLeaf& leaf) {
+bool has(const Columns& columns, const PlacedLeaf& leaf) {
   return ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1) != 0;
 }
 
 /// Whether the voxel below that of a leaf is set, where both are in the block.
-bool has_below(const Columns& columns, const EvidenceLeaf& leaf) {
+bool has_below(const Columns& columns, const PlacedLeaf& leaf) {
   const int z = leaf.offset >> 8;
   return z > 0 && ((columns[leaf.offset & 255u] >> (z - 1)) & 1) != 0;
 }
 
-void set(const EvidenceLeaf& leaf, Columns* columns) {
+/// The same of the voxel above.
+bool has_above(const Columns& columns, const PlacedLeaf& leaf) {
+  return (((columns[leaf.offset & 255u] >> 1) >> (leaf.offset >> 8)) & 1) != 0;
+}
+
+void set(const PlacedLeaf& leaf, Columns* columns) {
   (*columns)[leaf.offset & 255u] |= static_cast<std::uint16_t>(1u << (leaf.offset >> 8));
 }
+
+/// Leaves that were taken away, one per voxel.
+class Gone {
+ public:
+  explicit Gone(std::vector<EvidenceLeaf>* leaves) : leaves_(leaves) {}
+  void add(EvidenceLeaf leaf, std::uint32_t by) {
+    if (!is_listed_) list();
+    leaf.submap_id = by;
+    if (has(voxels_, leaf)) {
+      *std::find_if(leaves_->begin(), leaves_->end(),
+                    [&](const EvidenceLeaf& other) { return other.offset == leaf.offset; }) = leaf;
+    } else {
+      leaves_->push_back(leaf);
+      set(leaf, &voxels_);
+    }
+  }
+
+ private:
+  void list() {
+    voxels_.fill(0);
+    for (const EvidenceLeaf& leaf : *leaves_) set(leaf, &voxels_);
+    is_listed_ = true;
+  }
+
+  std::vector<EvidenceLeaf>* leaves_;
+  Columns voxels_;
+  bool is_listed_ = false;
+};
 
 /// Whether every voxel is known, so that more free space says nothing new.
 bool is_decided(const ColumnBlock& states) {
@@ -45,81 +78,104 @@ EvidenceMap::EvidenceMap(const EvidenceRules& rules) : rules_(rules) {
 }
 
 void EvidenceMap::integrate(const Index3& index, const PlacedSubmap& submap) {
+  static const Columns kNone{};
+  const PlacedLeaves::Around around(submap.leaves(), index);
+  const PlacedLeaves::Block* leaves = around.center();
   EvidenceBlock& block = blocks_[index];
-  const PlacedSubmap::Range leaves = submap.leaves(index);
-  Columns seen{};
-  for (const EvidenceLeaf& leaf : leaves) set(leaf, &seen);
-  drop_older(index, submap, seen, &block);
-  for (EvidenceLeaf leaf : leaves) {
-    leaf.is_new = has(block.states.free, leaf);
-    block.leaves.push_back(leaf);
-  }
-  block.states.occupied.fill(0);
-  for (const EvidenceLeaf& leaf : block.leaves) set(leaf, &block.states.occupied);
-  if (!is_decided(block.states)) submap.add_free(index, &block.states.free);
+  if (!leaves && block.leaves.empty() && is_decided(block.states)) return;
+  const PlacedSubmap::FreeInBlock free(submap, index);
+  drop_older({index, submap, around, free, leaves ? leaves->occupied : kNone}, &block);
+  if (leaves) add_leaves(submap, *leaves, &block);
+  if (!is_decided(block.states)) free.add_to(&block.states.free);
   // Under a leaf nothing is free, also not once a newer submap has taken the leaf away: that submap has to say so.
   for (std::size_t i = 0; i < block.states.free.size(); ++i) block.states.free[i] &= ~block.states.occupied[i];
   if (block.leaves.empty() && block.gone.empty() && block.states.all_unknown()) blocks_.erase(index);
 }
 
+void EvidenceMap::add_leaves(const PlacedSubmap& submap, const PlacedLeaves::Block& leaves, EvidenceBlock* block) {
+  const PlacedLeaf* from = submap.leaves().begin(leaves);
+  const auto count = static_cast<std::size_t>(submap.leaves().end(leaves) - from);
+  const std::size_t num_older = block->leaves.size();
+  block->leaves.resize(num_older + count);
+  for (std::size_t i = 0; i < count; ++i) {
+    EvidenceLeaf& leaf = block->leaves[num_older + i];
+    static_cast<PlacedLeaf&>(leaf) = from[i];
+    leaf.submap_id = submap.id();
+    leaf.is_new = has(block->states.free, from[i]);
+    leaf.is_doubted = false;
+  }
+  for (std::size_t i = 0; i < leaves.occupied.size(); ++i) block->states.occupied[i] |= leaves.occupied[i];
+}
+
 /// A doubt lasts until a submap has a surface there: a sparse sensor sees a voxel and the one below it at other times.
-void EvidenceMap::doubt(const Index3& index, const PlacedSubmap& submap, const PlacedSubmap::FreeInBlock& free,
-                        EvidenceBlock* block) const {
+/// Of leaves that are replaced anyway, only those are asked for that another one stands on.
+/// @return whether any is in doubt
+bool EvidenceMap::doubt(const Newer& newer, EvidenceBlock* block) const {
+  bool any_doubted = false;
+  const double clearing = rules_.clearing_distance_m / rules_.resolution_m;
+  Columns unseen;
+  for (std::size_t i = 0; i < unseen.size(); ++i) {
+    unseen[i] = static_cast<std::uint16_t>(block->states.occupied[i] & ~newer.seen[i]);
+  }
   for (EvidenceLeaf& leaf : block->leaves) {
-    const bool is_free = free.is_free(leaf);
+    if (has(newer.seen, leaf) && !has_above(unseen, leaf)) continue;
+    const bool is_free = (newer.free.at(leaf) & 2u) != 0;
     if (!is_free && !leaf.is_doubted) continue;
-    const Vec3 p_W = point_of(index, leaf);
-    if (submap.has_surface_within(p_W, rules_.clearing_distance_m)) {
+    if (newer.around.has_within(units_of(leaf), clearing)) {
       leaf.is_doubted = false;
     } else if (is_free) {
-      leaf.is_doubted = leaf.is_doubted || is_near_enough(submap, p_W, leaf);
+      leaf.is_doubted = leaf.is_doubted || is_near_enough(newer, leaf);
     }
+    any_doubted |= leaf.is_doubted;
   }
+  return any_doubted;
 }
 
 /// Newer points replace the older ones of their voxel; newer free space removes others.
-void EvidenceMap::drop_older(const Index3& index, const PlacedSubmap& submap, const Columns& seen,
-                             EvidenceBlock* block) const {
-  const PlacedSubmap::FreeInBlock free(submap, index);
-  doubt(index, submap, free, block);
+void EvidenceMap::drop_older(const Newer& newer, EvidenceBlock* block) const {
+  if (!block->leaves.empty() && doubt(newer, block)) drop_doubted(newer, block);
+  if (!newer.around.center()) return;
+  const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(newer.seen, leaf); };
+  for (std::vector<EvidenceLeaf>* leaves : {&block->leaves, &block->gone}) {
+    leaves->erase(std::remove_if(leaves->begin(), leaves->end(), is_replaced), leaves->end());
+  }
+  for (std::size_t i = 0; i < newer.seen.size(); ++i) block->states.occupied[i] &= ~newer.seen[i];
+}
+
+/// Those below which is free space too, or the ground that something stood on.
+void EvidenceMap::drop_doubted(const Newer& newer, EvidenceBlock* block) const {
   // Of blocks below only the submap's own word counts: what is merged there may be of any age.
   Columns open = block->states.free;
   for (const EvidenceLeaf& leaf : block->leaves) {
     if (leaf.is_doubted) set(leaf, &open);
   }
+  Gone gone(&block->gone);
   const auto is_over = [&](const EvidenceLeaf& leaf) {
-    if (has(seen, leaf)) return true;
-    if (!leaf.is_doubted) return false;
-    // Below it is free space, or the ground that something stood on.
-    if (!has_below(open, leaf) && !free.is_free_below(leaf)) {
-      const Vec3 below_W = point_of(index, leaf) - Vec3(0.0, 0.0, rules_.resolution_m);
-      if (!submap.has_surface_within(below_W, rules_.resolution_m)) return false;
+    if (!leaf.is_doubted || has(newer.seen, leaf)) return false;
+    if (!has_below(open, leaf) && (newer.free.at(leaf) & 1u) == 0) {
+      if (!newer.around.has_within(units_of(leaf) - Units3{0, 0, kUnitsPerEdge}, 1.0)) return false;
     }
-    remember_gone(leaf, submap.id(), block);
+    gone.add(leaf, newer.submap.id());
     return true;
   };
   block->leaves.erase(std::remove_if(block->leaves.begin(), block->leaves.end(), is_over), block->leaves.end());
-  const auto is_replaced = [&](const EvidenceLeaf& leaf) { return has(seen, leaf); };
-  block->gone.erase(std::remove_if(block->gone.begin(), block->gone.end(), is_replaced), block->gone.end());
+  block->states.occupied.fill(0);
+  for (const EvidenceLeaf& leaf : block->leaves) set(leaf, &block->states.occupied);
 }
 
 /// Beams miss thin things from afar.
-bool EvidenceMap::is_near_enough(const PlacedSubmap& submap, const Vec3& p_W, const EvidenceLeaf& leaf) const {
+bool EvidenceMap::is_near_enough(const Newer& newer, const EvidenceLeaf& leaf) const {
   if (!leaf.is_thin) return true;
-  const auto range_m = submap.range_to(p_W);
+  const auto range_m = newer.submap.range_to(point_of(newer.index, leaf));
   return !range_m || *range_m <= std::max(rules_.thin_range_m, leaf.range_m());
 }
 
-void EvidenceMap::remember_gone(const EvidenceLeaf& leaf, std::uint32_t by, EvidenceBlock* block) {
-  const auto same = std::find_if(block->gone.begin(), block->gone.end(),
-                                 [&](const EvidenceLeaf& other) { return other.offset == leaf.offset; });
-  EvidenceLeaf gone = leaf;
-  gone.submap_id = by;
-  if (same == block->gone.end()) {
-    block->gone.push_back(gone);
-  } else {
-    *same = gone;
-  }
+void EvidenceMap::reset_block(const Index3& index) {
+  const auto found = blocks_.find(index);
+  if (found == blocks_.end()) return;
+  found->second.states = {};
+  found->second.leaves.clear();
+  found->second.gone.clear();
 }
 
 const EvidenceBlock* EvidenceMap::find(const Index3& block) const {

@@ -13,13 +13,6 @@ using geometry::kBlockSide;
 
 constexpr int kCellSide = 4;
 
-/// Even bits of the two layers in a word of a cell's states, a byte for each of their eight rows.
-std::uint64_t rows_of(std::uint64_t states) {
-  states &= 0x5555555555555555ull;
-  states = (states | (states >> 1)) & 0x3333333333333333ull;
-  return (states | (states >> 2)) & 0x0F0F0F0F0F0F0F0Full;
-}
-
 /// Cells of a block that reach into the window; its first voxel is at `first`.
 std::uint64_t cells_within(const Index3& first, int halo) {
   std::uint64_t out = ~std::uint64_t{0};
@@ -52,27 +45,22 @@ void FieldWindow::load(const CompressedField& field, const Index3& block, int ha
 }
 
 void FieldWindow::add_block(const CompressedField& field, int position, const Index3& first, int halo) {
-  field.for_each_cell(position, cells_within(first, halo), [&](int cell, const auto& states, const auto* leaves) {
+  const auto add = [&](int cell, std::uint64_t free, std::uint64_t occupied, const CompressedField::Leaf* leaves) {
     const int x = first.x + (cell & 3) * kCellSide;
     const int y = first.y + ((cell >> 2) & 3) * kCellSide;
     const int z = first.z + (cell >> 4) * kCellSide;
-    const int shift = x + kHalo;
-    OccupiedCell occupied{x, y, z, {}, leaves};
-    for (int word = 0; word < 2; ++word) {
-      const std::uint64_t free = rows_of(states[word]);
-      for (int row = 0; row < 8; ++row) {
-        free_[at(y + (row & 3), z + 2 * word + (row >> 2))] |= static_cast<std::uint32_t>((free >> (8 * row)) & 15)
-                                                               << shift;
+    const auto add_rows = [&](std::uint64_t voxels, Rows* rows) {
+      for (int row = 0; row < 16; ++row) {
+        (*rows)[at(y + (row & 3), z + (row >> 2))] |= static_cast<std::uint32_t>((voxels >> (4 * row)) & 15)
+                                                      << (x + kHalo);
       }
-      if (!leaves) continue;
-      const std::uint64_t voxels = occupied.voxels[static_cast<std::size_t>(word)] = rows_of(states[word] >> 1);
-      for (int row = 0; row < 8; ++row) {
-        occupied_[at(y + (row & 3), z + 2 * word + (row >> 2))] |=
-            static_cast<std::uint32_t>((voxels >> (8 * row)) & 15) << shift;
-      }
-    }
-    if (leaves) cells_.push_back(occupied);
-  });
+    };
+    add_rows(free, &free_);
+    if (!leaves) return;
+    add_rows(occupied, &occupied_);
+    cells_.push_back({x, y, z, occupied, leaves});
+  };
+  field.for_each_cell(position, cells_within(first, halo), add);
 }
 
 void FieldWindow::number_leaves() {
@@ -89,19 +77,26 @@ void FieldWindow::number_leaves() {
 /// Cells come by rising x, so each leaf is the next one of its row.
 void FieldWindow::take_leaves(const CompressedField& field, const OccupiedCell& cell) {
   const CompressedField::Leaf* leaf = cell.leaves;
-  for (int word = 0; word < 2; ++word) {
-    for (std::uint64_t bits = cell.voxels[static_cast<std::size_t>(word)]; bits != 0; bits &= bits - 1, ++leaf) {
-      const int bit = __builtin_ctzll(bits);
-      const int x = cell.x + (bit & 7);
-      const int y = cell.y + ((bit >> 3) & 3);
-      const int z = cell.z + 2 * word + (bit >> 5);
-      const std::size_t i = next_leaf_[at(y, z)]++;
-      const geometry::Vec3f mean = geometry::Vec3f(leaf->mean[0], leaf->mean[1], leaf->mean[2]) * (1.0f / 254.0f);
-      leaves_[i] = {x, y, z, mean, leaf->hits, field.phase_of(leaf)};
-      const geometry::Vec3f p = geometry::Vec3f(x, y, z) + mean;
-      points_[i] = {p.x(), p.y(), p.z(), 1.0f, p.y(), p.z(), p.x(), 0.0f};
-    }
+  for (std::uint64_t bits = cell.voxels; bits != 0; bits &= bits - 1, ++leaf) {
+    const int bit = __builtin_ctzll(bits);
+    const int x = cell.x + (bit & 3);
+    const int y = cell.y + ((bit >> 2) & 3);
+    const int z = cell.z + (bit >> 4);
+    const std::size_t i = next_leaf_[at(y, z)]++;
+    leaves_[i] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z), *leaf,
+                  field.phase_of(leaf)};
+    const geometry::Vec3f p = geometry::Vec3f(x, y, z) + leaves_[i].mean();
+    points_[i] = {p.x(), p.y(), p.z(), 1.0f, p.y(), p.z(), p.x(), 0.0f};
   }
+}
+
+std::vector<std::uint16_t> leaves_of_block(const FieldWindow& window) {
+  std::vector<std::uint16_t> out;
+  for (std::size_t k = 0; k < window.leaves().size(); ++k) {
+    const WindowLeaf& leaf = window.leaves()[k];
+    if (((leaf.x | leaf.y | leaf.z) & ~15) == 0) out.push_back(static_cast<std::uint16_t>(k));
+  }
+  return out;
 }
 
 }  // namespace voxnav::submap

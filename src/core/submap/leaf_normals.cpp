@@ -170,7 +170,6 @@ State state_behind(const FieldWindow& window, const WindowLeaf& leaf, const Vec3
 LeafNormal judge(const FieldWindow& window, const WindowLeaf& leaf, const Neighborhood& around, Vec3f normal) {
   constexpr float kOneSided = 0.25f;
   const float num_free = around.towards_free[3];
-  if (!(num_free > 0.f)) return {};  // deep inside: no surface is seen from here
   const Vec3f towards_free(around.towards_free[0], around.towards_free[1], around.towards_free[2]);
   const float length = towards_free.norm();
   const float strength = length / num_free;
@@ -183,11 +182,18 @@ LeafNormal judge(const FieldWindow& window, const WindowLeaf& leaf, const Neighb
     return {free_side, is_solid ? kSolidQuality : kOneSidedQuality};
   }
   // Seen from all around: the hits lie on the side they came from.
-  const bool has_side = leaf.mean.norm() > 0.05f;
-  return {has_side              ? Vec3f(leaf.mean.normalized())
+  const bool has_side = leaf.mean().norm() > 0.05f;
+  return {has_side              ? Vec3f(leaf.mean().normalized())
           : !free_side.isZero() ? free_side
                                 : Vec3f(Vec3f::UnitX()),
           kThinQuality};
+}
+
+/// Whether anything around a leaf is free.
+bool is_seen(const FieldWindow& window, const WindowLeaf& leaf) {
+  std::uint32_t free = 0;
+  for (int row = 0; row < 9; ++row) free |= window.free(leaf.y + row % 3 - 1, leaf.z + row / 3 - 1);
+  return ((free >> (leaf.x - 1 + FieldWindow::kHalo)) & 7u) != 0;
 }
 
 }  // namespace
@@ -195,19 +201,27 @@ LeafNormal judge(const FieldWindow& window, const WindowLeaf& leaf, const Neighb
 void estimate_normals(const FieldWindow& window, const std::vector<std::uint16_t>& leaves,
                       std::vector<LeafNormal>* normals) {
   static const RowSums sums = make_sums();
-  normals->resize(leaves.size());
+  normals->assign(leaves.size(), {});
   Batch batch;
   Normals planes;
-  for (std::size_t first = 0; first < leaves.size(); first += kLanes) {
-    std::array<std::uint16_t, kLanes> which;  // the lanes behind the last leaf repeat it
-    for (std::size_t k = 0; k < kLanes; ++k) which[k] = leaves[std::min(first + k, leaves.size() - 1)];
+  std::array<std::uint16_t, kLanes> which, place;  // of the batch: leaves, and where their normals go
+  std::size_t count = 0;
+  const auto finish = [&] {
+    for (std::size_t k = count; k < kLanes; ++k) which[k] = which[0];
     (base::is_wide() ? look_at_wide : look_at_plain)(window, which.data(), sums, &batch, &planes);
-    const std::size_t count = std::min<std::size_t>(kLanes, leaves.size() - first);
     for (std::size_t k = 0; k < count; ++k) {
-      (*normals)[first + k] =
+      (*normals)[place[k]] =
           judge(window, window.leaves()[which[k]], batch[k], Vec3f(planes[0][k], planes[1][k], planes[2][k]));
     }
+    count = 0;
+  };
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (!is_seen(window, window.leaves()[leaves[i]])) continue;  // deep inside
+    which[count] = leaves[i];
+    place[count++] = static_cast<std::uint16_t>(i);
+    if (count == kLanes) finish();
   }
+  if (count > 0) finish();
 }
 
 }  // namespace voxnav::submap

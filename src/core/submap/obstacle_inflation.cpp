@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+#include "voxnav/base/lanes.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -15,77 +13,76 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
 
+using namespace base::lanes;  // NOLINT: the vector types of this file
+
 constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
 
-#if !defined(__SSE2__)
-/// Bits low to high of a word, none when low > high. 0 <= low, high <= 30.
-std::uint32_t bits_from_to(int low, int high) { return low > high ? 0u : (2u << high) - (1u << low); }
-#endif
+/// Bits low to high of each lane, none when low > high; from 0 to 30, where low may be one more.
+template <bool kIsWide>
+VOXNAV_INLINE Words bits_from_to(Ints low, Ints high) {
+  if (kIsWide) return (~Words{} << reinterpret_cast<Words>(low)) & ~((~Words{} - 1u) << reinterpret_cast<Words>(high));
+  // Older processors cannot shift lanes by different amounts: powers of two by way of the exponent of floats.
+  const auto power = [](Ints k) { return truncated(reinterpret_cast<Floats>((k + 127) << 23)); };
+  return reinterpret_cast<Words>(2 * power(high) - power(low));
+}
+
+/// Of eight columns the voxels from ceil(z - h) to floor(z + h), h^2 = rest - dx^2.
+template <bool kIsWide>
+VOXNAV_INLINE void add_eight(Floats squared_dx, float z, float rest, std::uint32_t* columns) {
+  constexpr int kTop = BallWindow::kSide;
+  const Floats left = rest - squared_dx;
+  const Floats half = exact_root(larger(left, Floats{}));
+  // What is cut off is above zero, so truncation is floor; the lower end never is above the voxel behind the upper one.
+  const Ints low = kTop - truncated((kTop - z) + half);
+  const Words bits = bits_from_to<kIsWide>(low, truncated(z + half));
+  store(loaded<Words>(columns) | (left > Floats{} ? bits : Words{}), columns);
+}
+
+/// Eights begin at the same columns for every ball: what one has just stored could not be loaded in other pieces.
+template <bool kIsWide>
+VOXNAV_INLINE void add_ball(float x, float y, float z, float squared_reach, std::uint32_t* columns) {
+  constexpr int kMostEights = 3;
+  const float reach = std::sqrt(squared_reach);
+  const int first = static_cast<int>(x - reach) & ~(kLanes - 1);
+  const int last = static_cast<int>(x + reach);
+  Floats squared_dx[kMostEights];
+  for (int i = 0; i < kMostEights; ++i) {
+    const Floats dx = static_cast<float>(first + i * kLanes) + Floats{0, 1, 2, 3, 4, 5, 6, 7} - x;
+    squared_dx[i] = dx * dx;
+  }
+  std::uint32_t* to = columns + first + static_cast<int>(y - reach) * BallWindow::kSide;
+  for (int row = static_cast<int>(y - reach); row <= static_cast<int>(y + reach); ++row, to += BallWindow::kSide) {
+    const float dy = static_cast<float>(row) - y;
+    const float rest = squared_reach - dy * dy;
+    if (rest <= 0.f) continue;
+    add_eight<kIsWide>(squared_dx[0], z, rest, to);
+    if (last >= first + kLanes) add_eight<kIsWide>(squared_dx[1], z, rest, to + kLanes);
+    if (last >= first + 2 * kLanes) add_eight<kIsWide>(squared_dx[2], z, rest, to + 2 * kLanes);
+  }
+}
+
+template <bool kIsWide>
+VOXNAV_INLINE void add_all(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
+  constexpr int kFirst = BallWindow::kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // centres of voxels at integers
+  for (const EvidenceLeaf& leaf : leaves) {
+    const Units3 p = units_of(leaf) + Units3{kFirst, kFirst, kFirst};
+    const auto edges = [](int units) { return static_cast<float>(units) * (1.f / static_cast<float>(kUnitsPerEdge)); };
+    add_ball<kIsWide>(edges(p.x), edges(p.y), edges(p.z), squared_reach, columns);
+  }
+}
+void add_all_plain(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
+  add_all<false>(leaves, squared_reach, columns);
+}
+VOXNAV_WIDE void add_all_wide(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
+  add_all<true>(leaves, squared_reach, columns);
+}
 
 }  // namespace
 
 void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
   const double padded = reach + kRounding;
-  for (const EvidenceLeaf& leaf : block.leaves) {
-    const Vec3 p = local_point(leaf) + Vec3::Constant(kHalo - 0.5);  // centres of voxels at integers
-    add_ball(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
-             static_cast<float>(padded * padded));
-  }
+  (base::is_wide() ? add_all_wide : add_all_plain)(block.leaves, static_cast<float>(padded * padded), columns_.data());
 }
-
-/// Per column the voxels from ceil(z - h) to floor(z + h) with h = sqrt(reach^2 - dx^2 - dy^2).
-#if defined(__SSE2__)
-void BallWindow::add_ball(float x, float y, float z, float squared_reach) {
-  const float reach = std::sqrt(squared_reach);
-  const int y1 = static_cast<int>(y + reach);
-  const int x0 = static_cast<int>(x - reach) & ~3;
-  const int x1 = static_cast<int>(x + reach);
-  const __m128i one_exponent = _mm_set1_epi32(127);
-  const __m128 center_z = _mm_set1_ps(z);
-  for (int row = static_cast<int>(y - reach); row <= y1; ++row) {
-    const float dy = static_cast<float>(row) - y;
-    const float rest = squared_reach - dy * dy;
-    if (rest <= 0.f) continue;
-    std::uint32_t* line = &columns_[static_cast<std::size_t>(row * kSide)];
-    for (int column = x0; column <= x1; column += 4) {
-      const __m128 lane = _mm_cvtepi32_ps(_mm_setr_epi32(column, column + 1, column + 2, column + 3));
-      const __m128 dx = _mm_sub_ps(lane, _mm_set1_ps(x));
-      const __m128 left = _mm_sub_ps(_mm_set1_ps(rest), _mm_mul_ps(dx, dx));
-      const __m128 is_in = _mm_cmpgt_ps(left, _mm_setzero_ps());
-      const __m128 half = _mm_sqrt_ps(_mm_max_ps(left, _mm_setzero_ps()));
-      // Both are above zero, so truncation is floor; ceil(z - h) is never more than floor(z + h) + 1.
-      const __m128 low = _mm_sub_ps(center_z, half);
-      const __m128i low_floor = _mm_cvttps_epi32(low);
-      const __m128i is_above = _mm_castps_si128(_mm_cmpgt_ps(low, _mm_cvtepi32_ps(low_floor)));
-      const __m128i first = _mm_sub_epi32(low_floor, is_above);
-      const __m128i last = _mm_add_epi32(_mm_cvttps_epi32(_mm_add_ps(center_z, half)), _mm_set1_epi32(1));
-      // SSE2 cannot shift lanes by different amounts: powers of two by way of the exponent of floats.
-      const auto power = [&](__m128i k) {
-        return _mm_cvttps_epi32(_mm_castsi128_ps(_mm_slli_epi32(_mm_add_epi32(k, one_exponent), 23)));
-      };
-      const __m128i mask = _mm_and_si128(_mm_sub_epi32(power(last), power(first)), _mm_castps_si128(is_in));
-      __m128i* out = reinterpret_cast<__m128i*>(line + column);
-      _mm_storeu_si128(out, _mm_or_si128(_mm_loadu_si128(out), mask));
-    }
-  }
-}
-#else
-void BallWindow::add_ball(float x, float y, float z, float squared_reach) {
-  const float reach = std::sqrt(squared_reach);
-  for (int row = static_cast<int>(y - reach); row <= static_cast<int>(y + reach); ++row) {
-    const float dy = static_cast<float>(row) - y;
-    const float rest = squared_reach - dy * dy;
-    for (int column = static_cast<int>(x - reach); column <= static_cast<int>(x + reach); ++column) {
-      const float dx = static_cast<float>(column) - x;
-      const float left = rest - dx * dx;
-      if (left <= 0.f) continue;
-      const float half = std::sqrt(left);
-      columns_[static_cast<std::size_t>(row * kSide + column)] |=
-          bits_from_to(static_cast<int>(std::ceil(z - half)), static_cast<int>(z + half));
-    }
-  }
-}
-#endif
 
 void BallWindow::copy_to(const Index3& step, Columns* mask) const {
   // Voxel x of the other block is x + 16 step here, and must lie within the halo.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include "voxnav/submap/block_marks.hpp"
+#include "voxnav/submap/obstacle_inflation.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -39,6 +41,75 @@ bool comes_later(const Index3& a, const Index3& b) {
   if (a.y != b.y) return a.y > b.y;
   return b < a;
 }
+
+/// The blocks around one after another, from which balls reach into it. The next one along x takes what both share.
+class Surroundings {
+ public:
+  /// @param reach  of the balls, voxel edges
+  Surroundings(const EvidenceMap& evidence, int reach_blocks, double reach)
+      : evidence_(evidence), reach_blocks_(reach_blocks), side_(2 * reach_blocks + 1), reach_(reach) {
+    sources_.resize(static_cast<std::size_t>(side_ * side_ * side_));
+  }
+
+  void move_to(const Index3& index) {
+    const std::size_t layer = sources_.size() / static_cast<std::size_t>(side_);
+    const bool is_beside = is_anywhere_ && index == index_ + Index3{1, 0, 0};
+    if (!is_anywhere_ || index.y != index_.y) drop_windows(index.y);
+    index_ = index;
+    is_anywhere_ = true;
+    if (is_beside) std::move(sources_.begin() + static_cast<std::ptrdiff_t>(layer), sources_.end(), sources_.begin());
+    for (int x = is_beside ? reach_blocks_ : -reach_blocks_; x <= reach_blocks_; ++x) {
+      Source* to = &sources_[static_cast<std::size_t>(x + reach_blocks_) * layer];
+      for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
+        for (int y = -reach_blocks_; y <= reach_blocks_; ++y)
+          *to++ = {evidence_.find(index + Index3{x, y, z}), nullptr};
+      }
+    }
+  }
+  const EvidenceBlock* center() const { return sources_[sources_.size() / 2].block; }
+  void add_balls(Columns* mask) {
+    Source* source = sources_.data();
+    for (int x = -reach_blocks_; x <= reach_blocks_; ++x) {
+      for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
+        for (int y = -reach_blocks_; y <= reach_blocks_; ++y, ++source) {
+          if (source->block && !source->block->leaves.empty()) add_balls({x, y, z}, source, mask);
+        }
+      }
+    }
+  }
+
+ private:
+  struct Source {
+    const EvidenceBlock* block;
+    const BallWindow* window;
+  };
+  void add_balls(const Index3& step, Source* source, Columns* mask) {
+    const Index3 back{-step.x, -step.y, -step.z};
+    if (reach_ > BallWindow::kMaxReach) return submap::add_balls(*source->block, back, reach_, mask);
+    if (!source->window) {
+      std::unique_ptr<BallWindow>& window = windows_[index_ + step];
+      if (!window) {
+        window = std::make_unique<BallWindow>();
+        window->add_balls(*source->block, reach_);
+      }
+      source->window = window.get();
+    }
+    source->window->copy_to(back, mask);
+  }
+  /// Of blocks that no row from `row` on needs.
+  void drop_windows(std::int32_t row) {
+    for (auto it = windows_.begin(); it != windows_.end();) it = it->first.y < row - 1 ? windows_.erase(it) : ++it;
+  }
+
+  const EvidenceMap& evidence_;
+  int reach_blocks_;
+  int side_;
+  double reach_;
+  bool is_anywhere_ = false;
+  Index3 index_;
+  std::vector<Source> sources_;  ///< x slowest
+  std::unordered_map<Index3, std::unique_ptr<BallWindow>, geometry::Index3Hash> windows_;
+};
 
 }  // namespace
 
@@ -81,19 +152,14 @@ void ObstacleMap::collect_due(const EvidenceMap& evidence) {
 
 std::size_t ObstacleMap::update(const EvidenceMap& evidence, std::size_t max_blocks) {
   collect_due(evidence);
-  Windows windows;
-  std::int32_t row = 0;
+  Surroundings around(evidence, reach_blocks_, reach_m_ / grid_.resolution_m());
   for (std::size_t done = 0; done < max_blocks && !due_.empty(); ++done) {
     const Index3 index = due_.back();
     due_.pop_back();
-    if (index.y != row) {
-      row = index.y;
-      for (auto it = windows.begin(); it != windows.end();) it = it->first.y < row - 1 ? windows.erase(it) : ++it;
-    }
+    around.move_to(index);
     ColumnBlock columns;
-    const EvidenceBlock* known = evidence.find(index);
-    if (known) columns = known->states;
-    add_reaching(index, evidence, &windows, &columns.occupied);
+    if (around.center()) columns = around.center()->states;
+    around.add_balls(&columns.occupied);
     const containers::StateBlock block = to_states(columns);
     const containers::StateBlock* old = grid_.find_block(index);
     const bool is_same = old ? old->words == block.words : block.all_unknown();
@@ -102,30 +168,6 @@ std::size_t ObstacleMap::update(const EvidenceMap& evidence, std::size_t max_blo
     changed_.push_back(index);
   }
   return due_.size();
-}
-
-void ObstacleMap::add_reaching(const Index3& index, const EvidenceMap& evidence, Windows* windows,
-                               Columns* mask) const {
-  const double reach = reach_m_ / grid_.resolution_m();
-  for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
-    for (int y = -reach_blocks_; y <= reach_blocks_; ++y) {
-      for (int x = -reach_blocks_; x <= reach_blocks_; ++x) {
-        const Index3 other = index + Index3{x, y, z};
-        const EvidenceBlock* near = evidence.find(other);
-        if (!near || near->leaves.empty()) continue;
-        if (reach > BallWindow::kMaxReach) {
-          add_balls(*near, {-x, -y, -z}, reach, mask);
-          continue;
-        }
-        std::unique_ptr<BallWindow>& window = (*windows)[other];
-        if (!window) {
-          window = std::make_unique<BallWindow>();
-          window->add_balls(*near, reach);
-        }
-        window->copy_to({-x, -y, -z}, mask);
-      }
-    }
-  }
 }
 
 containers::GridUpdate ObstacleMap::take_changes() {

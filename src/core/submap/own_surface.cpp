@@ -3,20 +3,33 @@
 
 #include <cmath>
 
+#include "voxnav/submap/seen_side.hpp"
+
 namespace voxnav::submap {
 namespace {
 
-std::shared_ptr<const Submap> own_part(const Submap& submap, double reach_m) {
+CompressedField own_surface_of(const Submap& submap, const std::vector<geometry::StampedPose>& T_S_B) {
+  CompressedField out = submap.field()->own_surface();
+  if (T_S_B.empty() || out.has_values()) return out;
+  std::vector<geometry::StampedPose> T_G_B = T_S_B;
+  const geometry::Pose T_G_S = submap.T_S_G().inverse(Eigen::Isometry);
+  for (geometry::StampedPose& pose : T_G_B) pose.pose = T_G_S * pose.pose;
+  move_to_middles(submap.resolution_m(), T_G_B, &out);
+  return out;
+}
+
+std::shared_ptr<const Submap> own_part(const Submap& submap, const std::vector<geometry::StampedPose>& T_S_B,
+                                       double reach_m) {
   SubmapConfig config = submap.config();
   config.max_distance_m = reach_m;
   config.certified = false;  // registration needs the surface points, not the voxels around them
-  return Submap::from_field(submap.field()->own_surface(), submap.resolution_m(), submap.T_S_G(), config);
+  return Submap::from_field(own_surface_of(submap, T_S_B), submap.resolution_m(), submap.T_S_G(), config);
 }
 
 }  // namespace
 
-OwnSurface::OwnSurface(const Submap& submap)
-    : own_(own_part(submap, submap.config().band_voxels * submap.resolution_m())),
+OwnSurface::OwnSurface(const Submap& submap, const std::vector<geometry::StampedPose>& T_S_B)
+    : own_(own_part(submap, T_S_B, submap.config().band_voxels * submap.resolution_m())),
       content_(own_->field()),
       reach_m_(submap.config().band_voxels * submap.resolution_m()) {}
 
@@ -30,9 +43,10 @@ bool OwnSurface::sample(const geometry::Vec3& p_S, double* distance_m, geometry:
   return true;
 }
 
-std::shared_ptr<const geometry::DistanceField> registration_field(const std::shared_ptr<const Submap>& submap) {
+std::shared_ptr<const geometry::DistanceField> registration_field(const std::shared_ptr<const Submap>& submap,
+                                                                  const std::vector<geometry::StampedPose>& T_S_B) {
   if (submap->field()->has_values()) return submap;
-  return std::make_shared<OwnSurface>(*submap);
+  return std::make_shared<OwnSurface>(*submap, T_S_B);
 }
 
 }  // namespace voxnav::submap

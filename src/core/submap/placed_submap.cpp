@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leaf_placer.hpp"
 #include "voxnav/submap/block_marks.hpp"
 #include "voxnav/submap/voxel_walk.hpp"
 
@@ -16,11 +17,6 @@ using geometry::kBlockSide;
 using geometry::Pose;
 using geometry::Vec3;
 
-std::int8_t mean_byte(double edges) {
-  const double units = std::min(127.0, std::max(-127.0, edges * 254.0));
-  return static_cast<std::int8_t>(units + std::copysign(0.5, units));  // std::lround() is a call
-}
-
 std::uint8_t range_byte(const std::optional<double>& range_m) {
   return range_m ? static_cast<std::uint8_t>(std::min(255.0, 2.0 * *range_m)) : std::uint8_t{255};
 }
@@ -31,69 +27,84 @@ bool turns_about_vertical(const Pose& T) {
   return std::max({std::abs(R(2, 0)), std::abs(R(2, 1)), std::abs(R(0, 2)), std::abs(R(1, 2))}) < kLevel;
 }
 
+/// The same transform from lengths in units of `unit_B` to lengths in units of `unit_A`.
+Eigen::Affine3d in_units(const Pose& T_A_B, double unit_A, double unit_B) {
+  Eigen::Affine3d out = Eigen::Affine3d::Identity();
+  out.linear() = T_A_B.linear() * (unit_B / unit_A);
+  out.translation() = T_A_B.translation() / unit_A;
+  return out;
+}
+
 }  // namespace
 
-PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T_W_S, double resolution_m,
+PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Placement& placement, double resolution_m,
                            Knowledge knowledge, std::vector<Vec3> viewpoints_W)
     : field_(submap.field()),
-      submap_resolution_m_(submap.resolution_m()),
       id_(id),
       knowledge_(knowledge),
       resolution_m_(resolution_m),
-      T_W_G_(T_W_S * submap.T_S_G()),
-      T_G_W_(T_W_G_.inverse(Eigen::Isometry)),
+      submap_resolution_m_(submap.resolution_m()),
+      placement_(placement),
+      T_S_G_(submap.T_S_G()),
       viewpoints_W_(std::move(viewpoints_W)),
-      is_level_(turns_about_vertical(T_W_G_) && submap.resolution_m() == resolution_m) {
+      is_level_(turns_about_vertical(placement.T_W_S * T_S_G_) && turns_about_vertical(placement.bend.T_S_begin) &&
+                turns_about_vertical(placement.bend.T_S_end) && submap_resolution_m_ == resolution_m) {
+  if (knowledge == Knowledge::kAll) placement_.bend = {};
   free_.resize(field_->num_blocks());
-  sort_leaves(submap.thin_leaves());
+  place_leaves(submap.thin_leaves());
 }
 
-void PlacedSubmap::sort_leaves(const std::vector<bool>& is_thin) {
-  struct Placed {
-    Group* group;
-    EvidenceLeaf leaf;
-  };
-  std::vector<Placed> placed;
-  placed.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
-  const Eigen::Matrix3d R = T_W_G_.linear() * (submap_resolution_m_ / resolution_m_);
-  const Vec3 t = T_W_G_.translation() / resolution_m_;
-  Index3 last{1 << 30, 0, 0};
-  Group* group = nullptr;
-  const auto place = [&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i) {
-    const Vec3 p = R * surface_point(voxel, leaf) + t;
-    const Index3 at = floor_index(p);
-    const Index3 block = geometry::block_of(at);
-    if (block != last) group = &groups_[block];
-    last = block;
-    ++group->count;
-    const Vec3 mean = p - geometry::center_of(at, 1.0);
-    const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(at));
-    const std::array<std::int8_t, 3> bytes{mean_byte(mean.x()), mean_byte(mean.y()), mean_byte(mean.z())};
-    const bool thin = is_thin[i];
-    const std::uint8_t range = thin ? range_byte(range_to(p * resolution_m_)) : std::uint8_t{255};
-    placed.push_back({group, {offset, bytes, leaf.hits, range, thin, id_, false, false}});
-  };
-  if (knowledge_ == Knowledge::kOwn) {
-    field_->for_each_own_leaf(place);
-  } else {
-    std::size_t i = 0;
-    field_->for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf) { place(voxel, leaf, i++); });
-  }
-  std::uint32_t next = 0;
-  for (auto& item : groups_) {
-    item.second.first = next;
-    next += item.second.count;
-    item.second.count = 0;
-  }
-  leaves_.resize(placed.size());
-  for (const Placed& item : placed) leaves_[item.group->first + item.group->count++] = item.leaf;
+Pose PlacedSubmap::T_W_G_at(double phase) const {
+  const bool is_rigid = placement_.bend.is_rigid();
+  return is_rigid ? placement_.T_W_S * T_S_G_ : placement_.T_W_S * placement_.bend.at(phase) * T_S_G_;
 }
 
-PlacedSubmap::Range PlacedSubmap::leaves(const Index3& block) const {
-  const auto found = groups_.find(block);
-  if (found == groups_.end()) return {};
-  const EvidenceLeaf* first = leaves_.data() + found->second.first;
-  return {first, first + found->second.count};
+/// For what is free and so has no time of its own: as the surface points of the same block, or of those below, lie on
+/// average.
+Eigen::Affine3d PlacedSubmap::T_G_W_of(const Index3& block) const {
+  double phase = 0.5;
+  for (const int step : {0, -1, -2, 1}) {
+    if (placement_.bend.is_rigid()) break;
+    const PlacedLeaves::Block* near = leaves_.find(block + Index3{0, 0, step});
+    if (!near) continue;
+    phase = near->phase();
+    break;
+  }
+  return in_units(T_W_G_at(phase).inverse(Eigen::Isometry), submap_resolution_m_, resolution_m_);
+}
+
+void PlacedSubmap::place_leaves(const std::vector<bool>& is_thin) {
+  std::vector<Eigen::Affine3d> T_W_G;
+  const int num_times = placement_.bend.is_rigid() ? 1 : 256;
+  for (int time = 0; time < num_times; ++time) {
+    T_W_G.push_back(in_units(T_W_G_at(time / 255.0), resolution_m_, submap_resolution_m_));
+  }
+  LeafPlacer placer(T_W_G, &leaves_);
+  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
+  for (std::size_t i = 0; i < field_->num_blocks(); ++i) {
+    const Index3& block_G = field_->block_index(i);
+    bool is_entered = false;
+    const auto place = [&](int offset, const CompressedField::Leaf& leaf, std::size_t number,
+                           std::uint8_t time = CompressedField::kUnknownTime) {
+      if (!is_entered) placer.enter(block_G);
+      is_entered = true;
+      PlacedLeaf* placed = leaves_.next();
+      placed->hits = leaf.hits;
+      placed->range = 255;
+      placed->is_thin = is_thin[number];
+      if (placed->is_thin) {
+        const Vec3 p = T_W_G[num_times > 1 ? time : 0] * surface_point(geometry::voxel_at(block_G, offset), leaf);
+        placed->range = range_byte(range_to(p * resolution_m_));
+      }
+      placer.place(offset, leaf.mean, time, placed);
+    };
+    if (knowledge_ == Knowledge::kOwn) {
+      field_->for_each_own_leaf_of(i, place);
+    } else {
+      field_->for_each_leaf_of(i, place);
+    }
+  }
+  leaves_.sort();
 }
 
 /// Unpacked when first asked for: most of the air is known from other submaps already.
@@ -108,80 +119,28 @@ const Columns* PlacedSubmap::free_of(const Index3& block_G) const {
   return free_[i].get();
 }
 
-bool PlacedSubmap::is_free_voxel(const Index3& voxel_G) const {
-  const Columns* free = free_of(geometry::block_of(voxel_G));
-  const int offset = geometry::offset_in_block(voxel_G);
-  return free && (((*free)[static_cast<std::size_t>(offset & 255)] >> (offset >> 8)) & 1) != 0;
-}
-
-void PlacedSubmap::add_free(const Index3& block, Columns* free) const {
-  is_level_ ? add_free_level(block, free) : add_free_tilted(block, free);
-}
-
-/// Columns of W are columns of G, all shifted alike.
-void PlacedSubmap::add_free_level(const Index3& block, Columns* free) const {
-  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / resolution_m_;
-  const Vec3 step_x = T_G_W_.linear().col(0);
-  const Vec3 step_y = T_G_W_.linear().col(1);
-  const Index3 lowest = floor_index(first);
-  const int shift = lowest.z & (kBlockSide - 1);
-  Index3 at{1 << 30, 0, lowest.z >> geometry::kBlockShift};
-  const Columns* low = nullptr;
-  const Columns* high = nullptr;
-  for (int y = 0; y < kBlockSide; ++y) {
-    Vec3 p = first + y * step_y;
-    for (int x = 0; x < kBlockSide; ++x, p += step_x) {
-      const Index3 voxel = floor_index(p);
-      const Index3 block_G{voxel.x >> geometry::kBlockShift, voxel.y >> geometry::kBlockShift, at.z};
-      if (block_G != at) {
-        at = block_G;
-        low = free_of(at);
-        high = shift > 0 ? free_of(at + Index3{0, 0, 1}) : nullptr;
-      }
-      const auto column = static_cast<std::size_t>((voxel.x & 15) | ((voxel.y & 15) << 4));
-      const unsigned bits = (low ? (*low)[column] >> shift : 0u) |
-                            (high ? static_cast<unsigned>((*high)[column]) << (kBlockSide - shift) : 0u);
-      (*free)[static_cast<std::size_t>(x + kBlockSide * y)] |= static_cast<std::uint16_t>(bits);
-    }
-  }
-}
-
-void PlacedSubmap::add_free_tilted(const Index3& block, Columns* free) const {
-  const double v_G = submap_resolution_m_;
-  const Vec3 first = T_G_W_ * geometry::center_of(geometry::voxel_at(block, 0), resolution_m_) / v_G;
-  const Eigen::Matrix3d step = T_G_W_.linear() * (resolution_m_ / v_G);
-  for (int column = 0; column < kBlockSide * kBlockSide; ++column) {
-    Vec3 p = first + step * Vec3(column & 15, column >> 4, 0);
-    for (int z = 0; z < kBlockSide; ++z, p += step.col(2)) {
-      if (!is_free_voxel(floor_index(p))) continue;
-      (*free)[static_cast<std::size_t>(column)] |= static_cast<std::uint16_t>(1u << z);
-    }
-  }
-}
-
 PlacedSubmap::FreeInBlock::FreeInBlock(const PlacedSubmap& submap, const Index3& block)
-    : submap_(&submap), R_G_W_(submap.T_G_W_.linear() * (submap.resolution_m_ / submap.submap_resolution_m_)) {
-  const Vec3 first(block.x, block.y, block.z);
-  origin_G_ = R_G_W_ * (first * kBlockSide) + submap.T_G_W_.translation() / submap.submap_resolution_m_;
-  // The lowest corner of the block and of the voxels below it.
-  const Eigen::Matrix3d lowest = (R_G_W_ * kBlockSide).cwiseMin(0.0);
-  first_G_ = geometry::block_of(floor_index(origin_G_ + lowest.rowwise().sum() - R_G_W_.col(2).cwiseMax(0.0)));
+    : submap_(&submap), T_G_W_(submap.T_G_W_of(block)), origin_W_(Vec3(block.x, block.y, block.z) * kBlockSide) {
+  if (submap.is_level_) window_.emplace(T_G_W_, block, [&](const Index3& b) { return submap.free_of(b); });
 }
 
 bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
-  const Index3 voxel = floor_index(origin_G_ + R_G_W_ * p);
-  const Index3 step = geometry::block_of(voxel) - first_G_;
-  const auto at = static_cast<std::size_t>(step.x + kSide * (step.y + kSide * step.z));
-  if (std::max({step.x, step.y, step.z}) >= kSide || std::min({step.x, step.y, step.z}) < 0)
-    return submap_->is_free_voxel(voxel);  // voxels of W larger than those of the submap
-  if (((looked_up_ >> at) & 1) == 0) free_[at] = submap_->free_of(first_G_ + step);
-  looked_up_ |= std::uint64_t{1} << at;
-  const int column = (voxel.x & 15) | (voxel.y & 15) << 4;
-  return free_[at] && (((*free_[at])[static_cast<std::size_t>(column)] >> (voxel.z & 15)) & 1) != 0;
+  const Index3 voxel = floor_index(T_G_W_ * (origin_W_ + p));
+  const Columns* free = submap_->free_of(geometry::block_of(voxel));
+  const int offset = geometry::offset_in_block(voxel);
+  return free && (((*free)[static_cast<std::size_t>(offset & 255)] >> (offset >> 8)) & 1) != 0;
 }
 
-bool PlacedSubmap::has_surface_within(const Vec3& p_W, double distance_m) const {
-  return field_->has_own_surface_within(T_G_W_ * p_W / submap_resolution_m_, distance_m / submap_resolution_m_);
+unsigned PlacedSubmap::FreeInBlock::at_tilted(const PlacedLeaf& leaf) const {
+  const Vec3 p = local_point(leaf);
+  return (is_free_at(p) ? 2u : 0u) | (is_free_at(p - Vec3(0.0, 0.0, 1.0)) ? 1u : 0u);
+}
+
+void PlacedSubmap::FreeInBlock::add_tilted(Columns* free) const {
+  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+    if (!is_free_at(geometry::center_of(geometry::voxel_at({0, 0, 0}, offset), 1.0))) continue;
+    (*free)[static_cast<std::size_t>(offset & 255)] |= static_cast<std::uint16_t>(1u << (offset >> 8));
+  }
 }
 
 std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
@@ -191,22 +150,50 @@ std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
   return std::sqrt(squared);
 }
 
-std::vector<Index3> footprint(const Submap& submap, const Pose& T_W_S, double resolution_m, Knowledge knowledge) {
-  const Pose T_W_G = T_W_S * submap.T_S_G();
+namespace {
+
+/// Boxes around the blocks of a submap: all blocks are turned alike, so that of the first one, moved.
+class PlacedBox {
+ public:
+  PlacedBox(const Pose& T_W_G, double side_G)
+      : T_W_G_(T_W_G), side_G_(side_G), unit_(geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G)) {
+    unit_.min -= T_W_G.translation();
+    unit_.max -= T_W_G.translation();
+  }
+  void extend(const Index3& block, geometry::Aabb* box) const {
+    const Vec3 origin = T_W_G_ * (Vec3(block.x, block.y, block.z) * side_G_);
+    box->extend(origin + unit_.min);
+    box->extend(origin + unit_.max);
+  }
+
+ private:
+  Pose T_W_G_;
+  double side_G_;
+  geometry::Aabb unit_;
+};
+
+}  // namespace
+
+std::vector<Pose> extremes(const Placement& placement) {
+  if (placement.bend.is_rigid()) return {placement.T_W_S};
+  return {placement.T_W_S, placement.T_W_S * placement.bend.T_S_begin, placement.T_W_S * placement.bend.T_S_end};
+}
+
+std::vector<Index3> footprint(const Submap& submap, const Placement& placement, double resolution_m,
+                              Knowledge knowledge) {
   const double side_G = kBlockSide * submap.resolution_m();
   const double side_W = kBlockSide * resolution_m;
   std::vector<Index3> out;
   const auto field = submap.field();
-  // All blocks are turned alike: the box around the first one is that of any other, moved.
-  const geometry::Aabb unit = geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G);
-  const Vec3 low_corner = unit.min - T_W_G.translation();
-  const Vec3 high_corner = unit.max - T_W_G.translation();
+  std::vector<PlacedBox> boxes;
+  for (const Pose& T_W_S : extremes(placement)) boxes.emplace_back(T_W_S * submap.T_S_G(), side_G);
   for (std::size_t i = 0; i < field->num_blocks(); ++i) {
     if (knowledge == Knowledge::kOwn && !field->has_own(i)) continue;
     const Index3& block = field->block_index(i);
-    const Vec3 origin = T_W_G * (Vec3(block.x, block.y, block.z) * side_G);
-    const Index3 low = floor_index((origin + low_corner) / side_W);
-    const Index3 high = floor_index((origin + high_corner) / side_W);
+    geometry::Aabb box;
+    for (const PlacedBox& placed : boxes) placed.extend(block, &box);
+    const Index3 low = floor_index(box.min / side_W);
+    const Index3 high = floor_index(box.max / side_W);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});

@@ -18,7 +18,6 @@ using geometry::Vec3;
 
 /// How far the corners of a box move between two poses.
 double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
-  if (box.empty()) return 0.0;
   double largest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p((corner & 1) ? box.max.x() : box.min.x(), (corner & 2) ? box.max.y() : box.min.y(),
@@ -26,6 +25,21 @@ double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
     largest = std::max(largest, (a * p - b * p).norm());
   }
   return largest;
+}
+
+double largest_move(const geometry::Aabb& box, const Placement& a, const Placement& b) {
+  if (box.empty()) return 0.0;
+  return std::max({largest_move(box, a.T_W_S, b.T_W_S),
+                   largest_move(box, a.T_W_S * a.bend.T_S_begin, b.T_W_S * b.bend.T_S_begin),
+                   largest_move(box, a.T_W_S * a.bend.T_S_end, b.T_W_S * b.bend.T_S_end)});
+}
+
+void check_bend(const geometry::Bend& bend) {
+  constexpr double kMost_m = 100.0;
+  for (const Pose& T : {bend.T_S_begin, bend.T_S_end}) {
+    if (!geometry::is_valid(T) || T.translation().norm() > kMost_m)
+      throw std::invalid_argument("a bend must be made of finite rigid transforms of less than 100 m");
+  }
 }
 
 void check_pose(const Pose& T_W_S) {
@@ -70,12 +84,14 @@ SubmapCollection::SubmapCollection(const SubmapCollectionConfig& config)
 void SubmapCollection::add(SubmapEntry entry) {
   if (!entry.submap) throw std::invalid_argument("a submap entry needs a submap");
   check_pose(entry.T_W_S);
+  check_bend(entry.bend);
   check_extent(*entry.submap, entry.T_W_S, config_.resolution_m);
   remove(entry.id);
   const Key key = key_of(entry);
   keys_[entry.id] = key;
   Record& record = records_[key];
   record.bytes = entry.submap->memory_bytes();
+  record.remembers = entry.submap->field()->has_memory();
   submap_bytes_ += record.bytes;
   record.entry = std::move(entry);
   enforce_limits();
@@ -90,11 +106,14 @@ void SubmapCollection::enforce_limits() {
   }
 }
 
-bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S) {
+bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S, const geometry::Bend& bend) {
   check_pose(T_W_S);
+  check_bend(bend);
   Record* found = record(id);
-  if (found) found->entry.T_W_S = T_W_S;
-  return found != nullptr;
+  if (!found) return false;
+  found->entry.T_W_S = T_W_S;
+  found->entry.bend = bend;
+  return true;
 }
 
 bool SubmapCollection::remove(std::uint32_t id) {
@@ -128,14 +147,31 @@ std::vector<const SubmapEntry*> SubmapCollection::entries() const {
 }
 
 /// Submaps of a flight are numbered without gaps.
-Knowledge SubmapCollection::knowledge_of(const SubmapEntry& entry) const {
-  const SubmapEntry* before = entry.id > 0 ? find(entry.id - 1) : nullptr;
-  return before && before->flight == entry.flight ? Knowledge::kOwn : Knowledge::kAll;
+Knowledge SubmapCollection::knowledge_of(const Record& r) const {
+  if (!r.remembers) return Knowledge::kOwn;
+  const SubmapEntry* before = r.entry.id > 0 ? find(r.entry.id - 1) : nullptr;
+  return before && before->flight == r.entry.flight ? Knowledge::kOwn : Knowledge::kAll;
+}
+
+/// Whether a submap that is merged in a block saw something of it itself.
+bool SubmapCollection::owns(const Key& key, const Index3& block) const {
+  const Record& r = records_.at(key);
+  return r.merged == Knowledge::kOwn || std::binary_search(r.own_blocks.begin(), r.own_blocks.end(), block);
+}
+
+/// Whether the memory of the oldest submap of a block counts there. @param without  a submap that is left out of
+/// account
+bool SubmapCollection::memory_counts(const Index3& block, const Key* without) const {
+  if (num_with_memory_ == 0) return false;
+  const std::vector<Key>& keys = by_block_.at(block);
+  if (records_.at(keys.front()).merged == Knowledge::kOwn) return false;
+  return std::none_of(keys.begin() + 1, keys.end(),
+                      [&](const Key& key) { return (!without || key != *without) && owns(key, block); });
 }
 
 bool SubmapCollection::has_changed(const Record& r) const {
-  return r.merged != knowledge_of(r.entry) ||
-         largest_move(r.entry.submap->known_bounds(), r.entry.T_W_S, r.merged_T_W_S) > config_.pose_tolerance_m;
+  return r.merged != knowledge_of(r) || largest_move(r.entry.submap->known_bounds(), {r.entry.T_W_S, r.entry.bend},
+                                                     r.merged_at) > config_.pose_tolerance_m;
 }
 
 /// Takes a submap out of the merge; its blocks have to be rebuilt.
@@ -149,13 +185,19 @@ void SubmapCollection::forget(Record* r, std::vector<Index3>* stale) {
   }
   stale->insert(stale->end(), r->blocks.begin(), r->blocks.end());
   r->is_merged = false;
+  if (r->merged == Knowledge::kAll) --num_with_memory_;
 }
 
 void SubmapCollection::append(const Key& key, Record* r) {
-  r->merged_T_W_S = r->entry.T_W_S;
+  r->merged_at = {r->entry.T_W_S, r->entry.bend};
   r->is_merged = true;
-  r->merged = knowledge_of(r->entry);
-  r->blocks = footprint(*r->entry.submap, r->entry.T_W_S, config_.resolution_m, r->merged);
+  r->merged = knowledge_of(*r);
+  r->blocks = footprint(*r->entry.submap, r->merged_at, config_.resolution_m, r->merged);
+  r->own_blocks.clear();
+  if (r->merged == Knowledge::kAll) {
+    r->own_blocks = footprint(*r->entry.submap, r->merged_at, config_.resolution_m, Knowledge::kOwn);
+    ++num_with_memory_;
+  }
   for (const Index3& block : r->blocks) {
     std::vector<Key>& keys = by_block_[block];
     keys.insert(std::lower_bound(keys.begin(), keys.end(), key), key);
@@ -168,11 +210,13 @@ void SubmapCollection::integrate(std::map<Key, std::vector<Index3>> work) {
     Record& r = records_.at(key);
     r.last_used = ++num_uses_;
     if (r.merged == Knowledge::kAll) {
-      const auto is_oldest = [&, k = key](const Index3& block) { return by_block_.at(block).front() == k; };
-      std::vector<Index3> oldest;
-      std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(oldest), is_oldest);
-      integrate(&r, Knowledge::kAll, oldest);
-      blocks.erase(std::remove_if(blocks.begin(), blocks.end(), is_oldest), blocks.end());
+      const auto is_alone = [&, k = key](const Index3& block) {
+        return by_block_.at(block).front() == k && memory_counts(block);
+      };
+      std::vector<Index3> alone;
+      std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(alone), is_alone);
+      integrate(&r, Knowledge::kAll, alone);
+      blocks.erase(std::remove_if(blocks.begin(), blocks.end(), is_alone), blocks.end());
     }
     integrate(&r, Knowledge::kOwn, blocks);
     page_out();
@@ -181,8 +225,8 @@ void SubmapCollection::integrate(std::map<Key, std::vector<Index3>> work) {
 
 void SubmapCollection::integrate(Record* r, Knowledge knowledge, const std::vector<Index3>& blocks) {
   if (blocks.empty()) return;
-  const PlacedSubmap placed(*r->entry.submap, r->entry.id, r->merged_T_W_S, config_.resolution_m, knowledge,
-                            viewpoints(r->entry.T_S_B, r->merged_T_W_S));
+  const PlacedSubmap placed(*r->entry.submap, r->entry.id, r->merged_at, config_.resolution_m, knowledge,
+                            viewpoints(r->entry.T_S_B, r->merged_at.T_W_S));
   for (const Index3& block : blocks) evidence_.integrate(block, placed);
 }
 
@@ -225,14 +269,22 @@ std::vector<Index3> SubmapCollection::update() {
   for (auto& [key, r] : records_) {
     if (r.is_merged) continue;
     append(key, &r);
-    for (const Index3& block : r.blocks) (by_block_[block].back() == key ? fresh[key] : stale).push_back(block);
+    for (const Index3& block : r.blocks) {
+      const std::vector<Key>& keys = by_block_[block];
+      // Who sees a place takes the memory of others away.
+      const bool is_added = keys.back() == key && (keys.size() == 1 || !memory_counts(block, &key));
+      (is_added ? fresh[key] : stale).push_back(block);
+    }
   }
   sort_unique(&stale);
   std::map<Key, std::vector<Index3>> work;
   for (const Index3& block : stale) {
-    evidence_.clear_block(block);
     const auto found = by_block_.find(block);
-    if (found == by_block_.end()) continue;
+    if (found == by_block_.end()) {
+      evidence_.clear_block(block);
+      continue;
+    }
+    evidence_.reset_block(block);
     for (const Key& key : found->second) work[key].push_back(block);
   }
   std::vector<Index3> changed = stale;

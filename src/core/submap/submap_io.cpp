@@ -12,24 +12,16 @@ namespace voxnav::submap {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x4D535856;  // "VXSM"
-constexpr std::uint32_t kVersion = 4;
-constexpr std::uint32_t kVersionWithoutOwnFree = 3;
-constexpr std::uint32_t kVersionWithoutOwn = 2;  // what a submap saw itself was not told from what it remembered
 constexpr double kFinest_m = 1e-3;
 constexpr double kCoarsest_m = 1e3;
 constexpr double kFarthest_m = 1e7;  // of the grid from the submap frame
-
-CompressedField::OwnParts own_parts(std::uint32_t version) {
-  if (version == kVersionWithoutOwn) return CompressedField::OwnParts::kNone;
-  return version == kVersionWithoutOwnFree ? CompressedField::OwnParts::kHits : CompressedField::OwnParts::kHitsAndFree;
-}
 
 }  // namespace
 
 std::string Submap::to_bytes() const {
   base::ByteWriter out;
   out.put(kMagic);
-  out.put(kVersion);
+  out.put(CompressedField::kVersion);
   out.put(resolution_m_);
   out.put(config_.band_voxels);
   out.put(config_.max_distance_m);
@@ -54,7 +46,8 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "submap");
   if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav submap");
   const auto version = in.get<std::uint32_t>();
-  if (version < kVersionWithoutOwn || version > kVersion) in.fail("has a version this program does not know");
+  if (version < CompressedField::kOldestVersion || version > CompressedField::kVersion)
+    in.fail("has a version this program does not know");
   std::shared_ptr<Submap> out(new Submap());
   out->resolution_m_ = in.get<double>();
   if (!(out->resolution_m_ >= kFinest_m && out->resolution_m_ <= kCoarsest_m)) in.fail("has no usable resolution");
@@ -68,7 +61,7 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   if (!geometry::is_valid(out->T_S_G_) || out->T_S_G_.matrix().row(3) != last_row) in.fail("has no valid transform");
   if (out->T_S_G_.translation().cwiseAbs().maxCoeff() > kFarthest_m) in.fail("has a grid that lies too far away");
   out->T_G_S_ = out->T_S_G_.inverse(Eigen::Isometry);
-  CompressedField field = CompressedField::read(&in, own_parts(version));
+  CompressedField field = CompressedField::read(&in, version);
   auto surface = std::make_unique<Surface>();
   surface->points.resize(in.get_count(7 * sizeof(float)));
   for (geometry::SurfacePoint& point : surface->points) {

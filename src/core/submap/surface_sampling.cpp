@@ -71,21 +71,17 @@ std::vector<SurfacePoint> sample_surface(const CompressedField& field, double re
     if (!field.has_surface(static_cast<int>(i))) continue;
     window->load(field, field.block_index(i), 1);
     const Vec3 first = geometry::center_of(geometry::voxel_at(field.block_index(i), 0), 1.0);
-    inside.clear();
-    for (std::size_t k = 0; k < window->leaves().size(); ++k) {
-      const WindowLeaf& leaf = window->leaves()[k];
-      if (((leaf.x | leaf.y | leaf.z) & ~15) == 0) inside.push_back(static_cast<std::uint16_t>(k));
-    }
+    inside = leaves_of_block(*window);
     estimate_normals(*window, inside, &normals);
     CellsOfBlock cells;
     for (std::size_t k = 0; k < inside.size(); ++k) {
       const WindowLeaf& leaf = window->leaves()[inside[k]];
       const LeafNormal& surface = normals[k];
       if (!(surface.quality > 0.f)) continue;
-      const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean.cast<double>()) * resolution_m;
+      const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean().cast<double>()) * resolution_m;
       const int cell = CompressedField::cell_of(leaf.x | (leaf.y << 4) | (leaf.z << 8));
       cells[static_cast<std::size_t>(cell)].push_back(
-          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.hits), leaf.phase});
+          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.leaf.hits), leaf.phase});
     }
     append_sorted(std::move(cells), &all);
   }

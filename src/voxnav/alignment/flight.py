@@ -18,7 +18,7 @@ Flight.__doc__ = "stamps_s (n,); T_W_B (n, 4, 4) true and T_O_B drifting poses; 
 
 def drift_of(scenario, num_scans, seed):
     """(n, 3) estimated minus true position: a random walk inside a ball, smoothed as GNSS receivers do (three lags of
-    4 s, as voxnav_simulation::GnssDrift), scaled so that its peak is the scenario's."""
+    4 s, as voxnav_simulation::GnssDrift), scaled so that its peak is the scenario's; and its trend."""
     random, dt_s, lag_s = np.random.RandomState(1000 + seed), 1.0 / scenario.scan_hz, 4.0
     walk, lags, out = np.zeros(3), np.zeros((3, 3)), np.empty((num_scans, 3))
     for i in range(num_scans):
@@ -30,7 +30,8 @@ def drift_of(scenario, num_scans, seed):
             source = lag
         out[i] = lags[2]
     peak = np.linalg.norm(out, axis=1).max()
-    return out * (scenario.drift_m / peak if peak > 0.0 else 0.0)
+    trend = np.linspace(0.0, 1.0, num_scans)[:, None] * np.asarray(scenario.trend_m)
+    return trend + out * (scenario.drift_m / peak if peak > 0.0 else 0.0)
 
 
 def world_of(scenario, seed):

@@ -36,10 +36,10 @@ def _corners(T_W_V):
     return np.array([(-x, -y), (x, -y), (x, y), (-x, y)]) @ T_W_V[:2, :2].T + T_W_V[:2, 3]
 
 
-def _map_of(submaps, T_W_S_by_id):
+def _map_of(submaps, T_W_S_by_id, bends):
     collection = voxnav.SubmapCollection()
     for record, submap in submaps:
-        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s)
+        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
     return collection, collection.occupied_points().astype(np.float64)
 
 
@@ -71,11 +71,11 @@ def evaluate(seed, drift_m, picture=None):
     first = [item for item in flight.submaps if item[0].end_s < moved_at_s[0]]
     rows, true = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6), solved.T_true
     out = []
-    for name, poses, T_est, slack_m in (
-            ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, flight.T_O_B[rows], drift_m),
-            ("corrected", solved.session.graph.poses(), solved.T_W_B, 0.0)):
-        old = aligned_surface(_map_of(first, poses)[1], T_est, true)
-        collection, points = _map_of(flight.submaps, poses)
+    for name, poses, bends, T_est, slack_m in (
+            ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
+            ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)):
+        old = aligned_surface(_map_of(first, poses, bends)[1], T_est, true)
+        collection, points = _map_of(flight.submaps, poses, bends)
         points = aligned_surface(points, T_est, true)
         truck = _is_truck(old, trucks[0], 0.3, 0.3)
         static = ~(_is_truck(old, trucks[0], 1.5, -1.0) | _is_truck(old, trucks[1], 1.5, -1.0))
@@ -84,8 +84,8 @@ def evaluate(seed, drift_m, picture=None):
                     float(np.mean(gap_m > _LOST_M + slack_m)), _changes(collection, T_est, true, trucks)))
         if picture and name == "corrected":
             corners = [_corners(T) for T in trucks]
-            draw_places(picture, {"before it drove away": (old, corners[:1]), "after the second round": (points, corners)},
-                        world)
+            draw_places(picture, {"before it drove away": (old, corners[:1]),
+                                  "after the second round": (points, corners)}, world)
     return out
 
 

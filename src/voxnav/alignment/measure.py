@@ -32,7 +32,7 @@ def solve(flight, graph_config=None, optimizer_config=None):
     """Feed the submaps to a session in order, solving after each, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
     for record, submap in flight.submaps:
-        session.add_submap(record, submap.registration_field())
+        session.add_submap(record, submap.registration_field(record.stamps_s, record.T_S_B))
         reports.append(session.optimize())
         stamps, poses = session.trajectory()
         rows = np.searchsorted(flight.stamps_s, stamps - 1e-6)
@@ -41,20 +41,20 @@ def solve(flight, graph_config=None, optimizer_config=None):
     return Solved(stamps, poses, flight.T_W_B[rows], before, after, session, reports, worst_m)
 
 
-def merged_surface(flight, T_W_S_by_id):
+def merged_surface(flight, T_W_S_by_id, bends):
     """(n, 3) surface points of the merged map, in W: what users of the map are given."""
     collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
-        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s)
+        collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
     return collection.occupied_points().astype(np.float64)
 
 
-def own_surface(flight, T_W_S_by_id):
+def own_surface(flight, T_W_S_by_id, bends):
     """(n, 3) points that each submap saw itself, in W: what alignment moves."""
     parts = []
     for record, submap in flight.submaps:
         T = T_W_S_by_id[record.id]
-        points = submap.registration_field().surface_points().astype(np.float64)
+        points = submap.registration_field().bent_surface_points(bends.get(record.id)).astype(np.float64)
         parts.append(points @ T[:3, :3].T + T[:3, 3])
     return np.concatenate(parts)
 

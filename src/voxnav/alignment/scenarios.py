@@ -8,14 +8,17 @@ import collections
 
 import numpy as np
 
-Scenario = collections.namedtuple("Scenario", "name about world corners height_m speed_mps drift_m scan_hz hover_s")
-Scenario.__new__.__defaults__ = (2.5, 1.0, 1.8, 5.0, 0.0)
+Scenario = collections.namedtuple(
+    "Scenario", "name about world corners height_m speed_mps drift_m scan_hz hover_s trend_m")
+Scenario.__new__.__defaults__ = (2.5, 1.0, 1.8, 5.0, 0.0, (0.0, 0.0, 0.0))
 Scenario.__doc__ = """world: fields of WorldConfig, or None for the corridor. corners: (k, 2) of the path, in order.
-drift_m: largest distance between estimated and true position."""
+drift_m: largest distance between estimated and true position, but for trend_m, to which it grows evenly besides."""
 
 _FOREST = {"min_corner_m": [-40.0, -40.0], "size_m": [190.0, 120.0], "leaves_per_tree": 60, "num_houses": 0}
 _BARE = dict(_FOREST, trees_per_ha=0.0, bushes_per_ha=0.0, rocks_per_ha=0.0, num_poles=0, num_walls=0)
 _LONG = dict(_FOREST, size_m=[230.0, 180.0])
+_GROVE = dict(_FOREST, min_corner_m=[-15.0, -25.0], size_m=[70.0, 50.0], goal_m=[45.0, 0.0],
+              terrain_margin_m=120.0)
 
 
 def _rounds(width, depth, count):
@@ -40,6 +43,9 @@ SCENARIOS = collections.OrderedDict((s.name, s) for s in (
     Scenario("corridor", "out and back in an endless corridor, 2 x 60 m", None,
              np.array([(0.0, 0.0), (60.0, 0.0), (0.0, 0.0)]), height_m=1.5),
     Scenario("hover", "2 minutes above one place in a forest", _FOREST, np.array([(0.0, 0.0)]), hover_s=120.0),
+    Scenario("revisit", "a grove, a meadow, and the grove again the other way",
+             _GROVE, np.array([(0.0, 0.0), (130.0, 0.0), (130.0, 70.0), (75.0, 70.0), (75.0, 4.0), (0.0, 4.0)]),
+             speed_mps=2.0, drift_m=1.0, trend_m=(8.0, -6.0, 0.5)),
     Scenario("long", "19 minutes, 1.28 km up and down a forest", _LONG, _mower(140.0, 25.0, 7)[:-1],
              speed_mps=1.122),
 ))

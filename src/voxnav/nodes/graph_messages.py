@@ -35,9 +35,11 @@ def record_from_msg(msg):
                         poses)
 
 
-def field_from_msg(msg):
+def field_from_msg(msg, record):
     """What the submap is registered by, or None when the message carries none. Raises ValueError for damaged bytes."""
-    return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field() if len(msg.data) else None
+    if not len(msg.data):
+        return None
+    return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field(record.stamps_s, record.T_S_B)
 
 
 def loop_from_msg(msg):
@@ -81,10 +83,11 @@ class FixReader:
 
 
 def poses_to_msg(session, stamp, map_frame):
-    poses = session.graph.poses()
+    poses, bends = session.graph.poses(), session.bends()
+    begins, ends = ([pose_to_msg(bends[i][k] if i in bends else np.eye(4)) for i in poses] for k in (0, 1))
     return SubmapPoses(header=Header(stamp=stamp, frame_id=map_frame), revision=session.revision,
-                       submap_ids=list(poses), T_W_S=[pose_to_msg(T) for T in poses.values()],
-                       T_W_O=pose_to_msg(session.T_W_O))
+                       submap_ids=list(poses), T_W_S=[pose_to_msg(T) for T in poses.values()], T_S_begin=begins,
+                       T_S_end=ends, T_W_O=pose_to_msg(session.T_W_O))
 
 
 def report_to_msg(report, session, stamp, map_frame, solve_s):

@@ -206,7 +206,7 @@ class SubmapOptimizer:
         """Add one submap. True when it is new."""
         record = graph_messages.record_from_msg(msg)
         with self._diagnostics.time("add"):
-            is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg))
+            is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg, record))
         self._latest_stamp = max(self._latest_stamp, msg.header.stamp)
         if msg.header.frame_id:
             with self._correction_lock:

@@ -71,7 +71,7 @@ class OfflineMapper:
         with self.stages.time("graph, final solve"):
             report = self.session.optimize(full=True)
         self.counts["solves"] += 1
-        self.collection.set_poses(self.session.graph.poses())
+        self.collection.set_poses(self.session.graph.poses(), self.session.bends())
         return report
 
     def _add_scan(self, scan):
@@ -146,12 +146,12 @@ class OfflineMapper:
         stamps = handover.pose_stamps
         with self.stages.time("graph"):
             self.session.add_submap(SubmapRecord(handover.submap_id, stamps[0], stamps[-1], handover.T_O_S, stamps,
-                                                 handover.T_S_B), submap.registration_field())
+                                                 handover.T_S_B), submap.registration_field(stamps, handover.T_S_B))
             self.session.optimize()
         poses = self.session.graph.poses()
         with self.stages.time("collection"):
             self.collection.add(handover.submap_id, submap, poses[handover.submap_id], stamps[-1])
-            self.collection.set_poses(poses)
+            self.collection.set_poses(poses, self.session.bends())
         self.counts["submaps"] += 1
         self.counts["solves"] += 1
 

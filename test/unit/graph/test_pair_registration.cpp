@@ -37,6 +37,15 @@ ForestWorld meadow() {
   return world;
 }
 
+/// Time passes along y, from -15 to 15 m.
+void see_from_left_to_right(SurfaceSample* sample) {
+  const auto phase_at = [](double y) { return std::clamp(y / 30.0 + 0.5, 0.0, 1.0); };
+  std::vector<SurfacePoint> points = sample->field->surface_points();
+  for (SurfacePoint& point : points) point.phase = static_cast<float>(phase_at(point.position.y()));
+  sample->phases = PhaseGrid(points);
+  for (SamplePoint& point : sample->points) point.phase = phase_at(point.position_S.y());
+}
+
 }  // namespace
 
 TEST(DrawSample, PrefixIsBalancedAndRepeatable) {
@@ -61,13 +70,8 @@ TEST(DrawSample, DropsPointsThatAreNotFinite) {
   EXPECT_EQ(draw_sample(field, 10, 1.0).points.size(), 1u);
 }
 
-TEST(EvaluatePair, GradientEqualsNumericOne) {
-  Pair pair = forest_pair();
-  // Of planes only the part along the normal is believed, which is not the gradient of the interpolated distance.
-  for (SurfaceSample* sample : {&pair.a, &pair.b}) {
-    for (SamplePoint& point : sample->points) point.is_planar = false;
-  }
-  const Pose4 T = pair.truth + Pose4(0.2, -0.15, 0.1, 0.02);
+/// 2 * gradient against differences of the cost.
+void expect_numeric_gradient(const Pair& pair, const Pose4& T) {
   const PairOverlap overlap = find_overlap(pair.a, pair.b, T, 200);
   // A wide kernel makes the cost smooth over the step; trilinear cells still have kinks, hence the tolerance.
   const PairModel model = evaluate_pair(pair.a, pair.b, overlap, T, 1.6);
@@ -82,6 +86,39 @@ TEST(EvaluatePair, GradientEqualsNumericOne) {
                          (2.0 * step);
     EXPECT_NEAR(2.0 * model.gradient[k], slope, 0.02 * std::abs(slope) + 1e-3) << "parameter " << k;
   }
+}
+
+TEST(EvaluatePair, GradientEqualsNumericOne) {
+  Pair pair = forest_pair();
+  // Of planes only the part along the normal is believed, which is not the gradient of the interpolated distance.
+  for (SurfaceSample* sample : {&pair.a, &pair.b}) {
+    for (SamplePoint& point : sample->points) point.is_planar = false;
+  }
+  const Pose4 T = pair.truth + Pose4(0.2, -0.15, 0.1, 0.02);
+  expect_numeric_gradient(pair, T);
+  // The same of submaps that drifted while they were made.
+  for (SurfaceSample* sample : {&pair.a, &pair.b}) see_from_left_to_right(sample);
+  pair.a.sway = {Vec3(0.3, -0.2, 0.05), Vec3(-0.2, 0.25, 0.0)};
+  pair.b.sway = {Vec3(-0.1, 0.3, 0.0), Vec3(0.2, 0.2, -0.05)};
+  expect_numeric_gradient(pair, T);
+}
+
+/// B was drawn apart sideways while it was seen from one side to the other, which looks like a turn.
+TEST(RefinePair, DriftWithinASubmapIsNoTurnOnceItIsKnown) {
+  Pair pair = forest_pair();
+  see_from_left_to_right(&pair.b);
+  const Sway sway{Vec3(0.35, 0.1, 0.0), Vec3(-0.35, -0.1, 0.0)};
+  for (SamplePoint& point : pair.b.points) point.position_S -= sway.at(point.phase);
+  PairOverlap overlap = find_overlap(pair.a, pair.b, pair.truth, 400);
+  overlap.of_a.clear();  // the field of B was made without drift
+  const auto registered = [&] { return refine_pair(pair.a, pair.b, overlap, pair.truth, {0.8, 0.4}, 0.03).T_A_B; };
+  EXPECT_GT(std::abs(registered()[3] - pair.truth[3]), 0.008);
+  pair.b.sway = sway;
+  Pose4 expected = pair.truth;  // as B lay when it saw what they share
+  expected.head<3>() += to_pose(Pose4(0, 0, 0, pair.truth[3])) * sway.at(overlap.phase_b);
+  const Pose4 error = registered() - expected;
+  EXPECT_LT(error.head<3>().norm(), 0.04) << error.transpose();
+  EXPECT_LT(std::abs(error[3]), 0.003);
 }
 
 TEST(EvaluatePair, TheEndOfAPlaneSaysNothingAlongIt) {

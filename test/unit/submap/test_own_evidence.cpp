@@ -170,3 +170,71 @@ TEST(OwnEvidence, MemoryOfAnotherFlightDoesNotOverrideAMap) {
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
   EXPECT_EQ(collection.state({0.2, 0.2, 0.2}), State::kOccupied);
 }
+
+namespace {
+
+/// A wall across x that was seen, and one that was only remembered.
+occupancy::MapContent with_memory(int x_wall, int x_remembered) {
+  test::ContentBuilder builder(kVoxel);
+  for (int z = 0; z < 8; ++z) {
+    for (int y = -12; y < 12; ++y) {
+      builder.set_occupied({x_wall, y, z});
+      builder.set_occupied({x_remembered, y, z});
+      builder.set_own({x_remembered, y, z}, Vec3::Zero(), 0);
+    }
+  }
+  return builder.build();
+}
+
+std::size_t count_at(SubmapCollection* collection, double x_m) {
+  std::size_t count = 0;
+  for (const auto& p : collection->occupied_points()) count += std::abs(p.x() - x_m) < 0.1;
+  return count;
+}
+
+}  // namespace
+
+/// The wall at voxel 2 was seen by submap 1, and again by submap 3. Submap 2 remembers it where odometry had it.
+TEST(OwnEvidence, ADroppedSubmapDoesNotComeBackBesideWhatOthersSaw) {
+  submap::SubmapCollectionConfig config;
+  config.max_submaps = 2;
+  SubmapCollection collection(config);
+  collection.add(entry_of(1, wall_at(2, false)));
+  collection.add(entry_of(2, with_memory(40, 4)));
+  collection.update();
+  collection.add(entry_of(3, wall_at(2, false)));
+  ASSERT_EQ(collection.num_dropped(), 1u);
+  const std::size_t whole = wall_at(2, false).num_occupied();
+  EXPECT_EQ(count_at(&collection, 2.5 * kVoxel), whole);
+  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), 0u);  // memory of the first one
+  EXPECT_EQ(count_at(&collection, 40.5 * kVoxel), whole);
+}
+
+/// What nobody else saw is not lost with the submap that did, until somebody sees the place himself.
+TEST(OwnEvidence, MemoryStandsInForADroppedSubmapUntilAnotherSeesThePlace) {
+  submap::SubmapCollectionConfig config;
+  config.max_submaps = 2;
+  SubmapCollection collection(config);
+  collection.add(entry_of(1, wall_at(2, false)));
+  collection.add(entry_of(2, with_memory(40, 4)));
+  collection.add(entry_of(3, with_memory(80, 40)));
+  collection.update();
+  const std::size_t whole = wall_at(2, false).num_occupied();
+  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), whole);
+  config.max_submaps = 5;
+  SubmapCollection larger(config);  // submap 1 was lost on its way
+  for (const std::uint32_t id : {2u, 3u}) larger.add(*collection.find(id));
+  larger.update();
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), whole);
+  larger.add(entry_of(4, wall_at(2, false)));
+  larger.update();
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), 0u);
+  EXPECT_EQ(count_at(&larger, 2.5 * kVoxel), whole);
+  // The same whatever came first, and again without it.
+  SubmapCollection fresh(config);
+  for (const std::uint32_t id : {4u, 3u, 2u}) fresh.add(*larger.find(id));
+  EXPECT_EQ(fresh.occupied_points(), larger.occupied_points());
+  larger.remove(4);
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), whole);
+  EXPECT_EQ(count_at(&larger, 2.5 * kVoxel), 0u);
+}

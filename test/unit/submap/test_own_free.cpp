@@ -74,7 +74,7 @@ TEST(OwnFree, OwnLeavesKeepTheirPlaceAmongAll) {
   std::vector<Index3> all;
   field.for_each_leaf([&](const Index3& voxel, const CompressedField::Leaf&) { all.push_back(voxel); });
   std::size_t own = 0;
-  field.for_each_own_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i) {
+  field.for_each_own_leaf([&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t i, std::uint8_t) {
     ASSERT_EQ(voxel, all.at(i));
     ASSERT_GT(leaf.hits, 0);
     ++own;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
+#include "old_submap_bytes.hpp"
 #include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/own_surface.hpp"
 
@@ -32,11 +33,6 @@ occupancy::MapContent two_walls(double own_offset) {
 }
 
 constexpr std::size_t kPointList = 8;  ///< bytes of an empty one, at the end
-
-/// Without `size` bytes that end `behind` bytes before the checksum.
-std::string without(std::string bytes, std::size_t behind, std::size_t size) {
-  return bytes.erase(bytes.size() - 4 - behind - size, size);
-}
 
 std::string sealed(const std::string& bytes) {
   base::ByteWriter out;
@@ -81,23 +77,61 @@ TEST(OwnSurface, TravelsWithTheSubmap) {
   }
 }
 
-TEST(OwnSurface, SubmapsOfBeforeCountEverythingAsOwn) {
-  const auto now = Submap::from_content(test::random_content(4, 24, 0.02, 0.3, kVoxel), Pose::Identity(), {});
-  std::string bytes = now->to_bytes();
-  const std::size_t leaves = now->occupied_points().size();
-  // What version 4 added, before the point list: no cell is own in part. And version 3 before that.
-  bytes = without(bytes, kPointList, 16 * now->field()->num_blocks() + 8);
-  bytes[4] = 3;
-  EXPECT_EQ(Submap::from_bytes(sealed(bytes))->to_bytes(), now->to_bytes());
-  bytes = without(bytes, kPointList, 8 + 5 * leaves + 8 * ((leaves + 63) / 64));
-  bytes[4] = 2;
-  EXPECT_EQ(Submap::from_bytes(sealed(bytes))->to_bytes(), now->to_bytes());
+TEST(OwnSurface, SubmapsOfBeforeAreReadAndCountEverythingAsOwnThatTheyDidNotTell) {
+  auto content = test::random_content(4, 24, 0.02, 0.3, kVoxel);
+  const Pose T_S_G = geometry::from_position_yaw({1, 2, 3}, 0.5);
+  const auto all_own = Submap::from_content(content, T_S_G, {});
+  for (const std::uint32_t version : {2u, 3u, 4u}) {
+    const auto read = Submap::from_bytes(test::OldSubmapBytes(content, version).bytes(kVoxel, T_S_G, {}));
+    EXPECT_EQ(read->to_bytes(), all_own->to_bytes()) << version;
+  }
+  std::mt19937 rng(4);
+  for (occupancy::ContentBlock& block : content.blocks) {
+    for (occupancy::OccupiedLeaf& leaf : block.occupied) {
+      if (rng() % 2 == 0) leaf.own_mean[1] = static_cast<std::int8_t>(leaf.own_mean[1] / 3);
+      if (rng() % 3 == 0) leaf.own_hits = 0;
+      leaf.own_time = leaf.own_hits > 0 ? static_cast<std::uint8_t>(rng()) : 128;
+    }
+  }
+  const auto hits_told = Submap::from_content(content, T_S_G, {});
+  for (occupancy::ContentBlock& block : content.blocks) {
+    for (std::uint64_t& word : block.own_free) word &= ~(rng() & rng());
+  }
+  const auto all_told = Submap::from_content(content, T_S_G, {});
+  const auto read = [&](std::uint32_t version) {
+    return Submap::from_bytes(test::OldSubmapBytes(content, version).bytes(kVoxel, T_S_G, {}))->to_bytes();
+  };
+  EXPECT_EQ(read(2), all_own->to_bytes());
+  EXPECT_EQ(read(3), hits_told->to_bytes());
+  EXPECT_EQ(read(4), all_told->to_bytes());
+}
+
+TEST(OwnSurface, OldSubmapsThatAreBrokenAreRefused) {
+  const std::string bytes =
+      test::OldSubmapBytes(test::random_content(5, 24, 0.02, 0.3, kVoxel), 4).bytes(kVoxel, Pose::Identity(), {});
+  for (std::size_t size = 8; size < bytes.size(); size += 97) {
+    EXPECT_THROW(Submap::from_bytes(sealed(bytes.substr(0, size))), std::invalid_argument);
+  }
+  std::mt19937 rng(10);
+  int refused = 0;
+  for (int i = 0; i < 500; ++i) {
+    std::string broken = bytes;
+    for (unsigned k = 0; k < 1 + rng() % 4; ++k) broken[rng() % broken.size()] = static_cast<char>(rng());
+    try {
+      const auto submap = Submap::from_bytes(sealed(broken));
+      ASSERT_EQ(Submap::from_bytes(submap->to_bytes())->to_bytes(), submap->to_bytes());
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
 }
 
 TEST(OwnSurface, OwnHitsThatMatchNoLeafAreRefused) {
   const auto submap = Submap::from_content(two_walls(0.0), Pose::Identity(), {});
   std::string bytes = submap->to_bytes();
-  const std::size_t behind = kPointList + 16 * submap->field()->num_blocks() + 8;
-  bytes[bytes.size() - 4 - behind - 1] = static_cast<char>(0xFF);  // the last word of the bits
+  // Before the end: surface points, own free space (none in part), bits of own leaves that are others, bits of leaves.
+  const std::size_t behind = kPointList + 8 + 8 * ((submap->field()->num_own_leaves() + 63) / 64);
+  bytes[bytes.size() - 4 - behind - 1] = static_cast<char>(0xFF);  // the last word of the latter
   EXPECT_THROW(Submap::from_bytes(sealed(bytes)), std::invalid_argument);
 }

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
 #include "content_builder.hpp"
+#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -48,6 +50,29 @@ void write(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
+/// An index without bends, as it was written before there were any.
+std::string as_version_2(const std::string& index) {
+  constexpr std::size_t kHeader = 8, kSum = 4, kPoses = 2 * 16 * sizeof(double);
+  constexpr std::size_t kFirstBend = 3 * sizeof(std::uint32_t) + 2 * sizeof(base::StampNs) + kPoses;
+  base::ByteWriter out;
+  out.put_raw(index.data(), sizeof(std::uint32_t));
+  out.put(std::uint32_t{2});
+  for (std::size_t at = kHeader, size = 0; at + kHeader < index.size(); at += kHeader + size) {
+    std::uint32_t bytes = 0;
+    std::memcpy(&bytes, index.data() + at + sizeof(bytes), sizeof(bytes));
+    size = bytes;
+    std::string content = index.substr(at + kHeader, size - kSum);
+    if (at > kHeader) content.erase(kFirstBend, kPoses);  // settings come first
+    base::ByteWriter record;
+    record.put_raw(content.data(), content.size());
+    const std::string sealed = record.finish();
+    out.put_raw(index.data() + at, sizeof(std::uint32_t));
+    out.put(static_cast<std::uint32_t>(sealed.size()));
+    out.put_raw(sealed.data(), sealed.size());
+  }
+  return out.finish();
+}
+
 }  // namespace
 
 TEST(SavedMap, ATruncatedIndexGivesTheSubmapsBeforeItsEnd) {
@@ -74,6 +99,32 @@ TEST(SavedMap, ATruncatedIndexGivesTheSubmapsBeforeItsEnd) {
     last = count;
   }
   EXPECT_GE(last, 5u);
+}
+
+TEST(SavedMap, BendsAreKept) {
+  const std::string directory = new_directory("bent");
+  SubmapCollection collection({});
+  SubmapEntry entry = entry_of(1);
+  entry.bend.T_S_begin = geometry::from_position_yaw({0.1, 0.2, 0.3}, 0.01);
+  entry.bend.T_S_end = geometry::from_position_yaw({-0.4, 0.0, 0.1}, -0.02);
+  collection.add(entry);
+  collection.save(directory);
+  const SubmapCollection loaded = SubmapCollection::load(directory);
+  EXPECT_EQ(loaded.find(1)->bend.T_S_begin.matrix(), entry.bend.T_S_begin.matrix());
+  EXPECT_EQ(loaded.find(1)->bend.T_S_end.matrix(), entry.bend.T_S_end.matrix());
+}
+
+TEST(SavedMap, AnIndexFromBeforeBendsHasRigidSubmaps) {
+  const std::string directory = saved("version_2", 3);
+  const std::string path = directory + "/index.vxi";
+  write(path, as_version_2(read(path)));
+  const SubmapCollection loaded = SubmapCollection::load(directory);
+  ASSERT_EQ(loaded.size(), 3u);
+  for (const SubmapEntry* entry : loaded.entries()) {
+    EXPECT_EQ(entry->T_W_S.matrix(), entry_of(entry->id).T_W_S.matrix());
+    EXPECT_EQ(entry->T_S_B.size(), 2u);
+    EXPECT_TRUE(entry->bend.is_rigid());
+  }
 }
 
 TEST(SavedMap, ABrokenEntryCostsThatSubmapAlone) {
