@@ -54,7 +54,8 @@ PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Pose& T
 
 void PlacedSubmap::place_leaves(const Eigen::Affine3d& T_W_G, const std::vector<bool>& is_thin) {
   LeafPlacer placer(T_W_G, &leaves_);
-  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
+  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves(),
+                  field_->num_blocks());
   for (std::size_t i = 0; i < field_->num_blocks(); ++i) {
     const Index3& block_G = field_->block_index(i);
     bool is_entered = false;
