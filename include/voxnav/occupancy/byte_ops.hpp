@@ -126,6 +126,21 @@ inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, c
 }
 #endif
 
+/// Bit i: cells[i] of 64 is at least `limit`, which may be more than any cell can be.
+inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
+  if (limit > 255) return 0;
+  std::uint64_t out = 0;
+#if defined(__SSE2__)
+  const __m128i limits = _mm_set1_epi8(static_cast<char>(limit));
+  for (int i = 0; i < 64; i += 16) {
+    out |= std::uint64_t{at_least(_mm_loadu_si128(reinterpret_cast<const __m128i*>(cells + i)), limits)} << i;
+  }
+#else
+  for (int i = 0; i < 64; ++i) out |= static_cast<std::uint64_t>(cells[i] >= limit ? 1 : 0) << i;
+#endif
+  return out;
+}
+
 /// Turns 16 rows of 16 bits into columns: bit i of out[k] is bit k of rows[i].
 VOXNAV_INLINE void transpose_16(const std::uint16_t* rows, std::uint16_t* out) {
 #if defined(__SSE2__)

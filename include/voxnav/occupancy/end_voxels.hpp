@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxnav/occupancy/ray_marks.hpp"
 #include "voxnav/occupancy/scan_part.hpp"
 #include "voxnav/occupancy/surface_leaves.hpp"
 
@@ -32,7 +31,7 @@ class EndVoxels {
 
   const std::vector<HitVoxel>& hits() const { return hits_; }
   /// Where rays end: at the mean of each hit voxel's points, in the order of hits(), and where beams went on.
-  const RayEnds& rays() const { return rays_; }
+  const std::vector<geometry::Vec3f>& rays() const { return rays_; }
   /// One more ray that hits nothing.
   void add_ray(const geometry::Vec3f& end) { rays_.push_back(end); }
   /// Null when nothing ended in the block.
@@ -76,7 +75,7 @@ class EndVoxels {
   std::vector<PointSum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;
-  RayEnds rays_;
+  std::vector<geometry::Vec3f> rays_;
 };
 
 }  // namespace voxnav::occupancy

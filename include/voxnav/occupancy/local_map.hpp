@@ -137,6 +137,7 @@ class LocalMap {
   void sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin);
   void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
+  void prefetch(std::uint32_t block) const;
   BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
   void note_removed(const geometry::Index3& block);
   containers::GridUpdate changes_after(std::uint64_t sequence) const;
@@ -151,7 +152,7 @@ class LocalMap {
   std::vector<ScanPart> parts_;  ///< one per thread
   BeamImage beams_;
   ScanBox box_;
-  std::vector<RayMarks> marks_;  ///< one per thread
+  RayMarks marks_;
   std::unique_ptr<base::WorkerPool> workers_;
   std::map<geometry::Index3, ContentBlock> evicted_;
   std::size_t evicted_dropped_ = 0;

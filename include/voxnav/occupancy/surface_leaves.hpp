@@ -17,12 +17,6 @@ struct PointSpread {
   std::array<float, 6> covariance{};               ///< xx xy xz yy yz zz
 };
 
-/// A spread of hits, ready to tell how many deviations away something is.
-struct HitSpread {
-  std::array<float, 6> adjugate;  ///< of the covariance: its inverse times the determinant; xx xy xz yy yz zz
-  float determinant;
-};
-
 /// What the hits inside one voxel say about the surface.
 struct SurfaceLeaf {
   std::array<std::int16_t, 6> covariance{};  ///< xx xy xz yy yz zz; a squared voxel edge = kCovarianceUnits
@@ -47,8 +41,6 @@ struct SurfaceLeaf {
   void add_scan(const PointSpread& hits, int number);
   /// A scan saw through the surface. False while hits have refuted as many such scans in a row before.
   bool is_refuted_by_seeing_through(int max_patience);
-  /// `least_spread` (voxel edges) is added to the deviation of the hits.
-  HitSpread spread(float least_spread) const;
   static constexpr int kMemory = 50;
   static constexpr int kTimeUnits = 16;  ///< of recent_time, which then holds 4095 scans
   static constexpr int kMaxNumber = 65535 / kTimeUnits;

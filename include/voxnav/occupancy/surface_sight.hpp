@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "voxnav/base/lanes.hpp"
 #include "voxnav/occupancy/beam_image.hpp"
 #include "voxnav/occupancy/scan_part.hpp"
 #include "voxnav/occupancy/surface_leaves.hpp"
@@ -21,16 +22,19 @@ struct MissGuard {
 class SurfaceSight {
  public:
   SurfaceSight(const BeamImage& beams, const ScanFrame& frame, float resolution_m, const MissGuard& guard);
-  /// True when the scan refutes the voxel at `center` (window coordinates); notes in the leaf what it saw.
-  bool refutes(const geometry::Vec3f& center, SurfaceLeaf* leaf) const;
+  /// Which of the `asked` voxels of a block, which must have leaves, the scan refutes; notes in the leaves what it saw.
+  /// @param first_voxel  of the block, window coordinates
+  VoxelBits refuted(const geometry::Index3& first_voxel, const VoxelBits& asked, SurfaceLeaves* leaves) const;
 
  private:
+  struct Group;
   struct Beams;
-  struct Target;
-  std::uint8_t look(const Target& target, const Beams& beams) const;
-  std::uint8_t look_plain(const Target& target, const Beams& beams) const;
-  std::uint8_t look_wide(const Target& target, const Beams& beams) const;
-  std::uint8_t octants_seen(const Target& target, Beams* beams) const;
+  // `first_center`: of the block's first voxel, from the sensor along the window's axes, voxel edges.
+  void look(const geometry::Vec3f& first_center, Group* group) const;
+  void look_plain(const geometry::Vec3f& first_center, Group* group) const;
+  void look_wide(const geometry::Vec3f& first_center, Group* group) const;
+  void ask(const Group& group, const geometry::Vec3f& first_center, Beams* beams, base::lanes::Ints* octants) const;
+  void judge(const geometry::Vec3f& first_center, Group* group, VoxelBits* out) const;
 
   const BeamImage& beams_;
   geometry::Vec3f origin_;

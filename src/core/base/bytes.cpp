@@ -6,14 +6,24 @@
 namespace voxnav::base {
 namespace {
 
-std::array<std::uint32_t, 256> make_crc_table() {
-  std::array<std::uint32_t, 256> table{};
+constexpr std::size_t kSlices = 8;
+/// Table k: what a byte does k bytes later.
+using CrcTables = std::array<std::array<std::uint32_t, 256>, kSlices>;
+
+CrcTables make_crc_tables() {
+  CrcTables tables{};
   for (std::uint32_t i = 0; i < 256; ++i) {
     std::uint32_t c = i;
     for (int bit = 0; bit < 8; ++bit) c = (c & 1u) ? 0xEDB88320u ^ (c >> 1) : c >> 1;
-    table[i] = c;
+    tables[0][i] = c;
   }
-  return table;
+  for (std::size_t k = 1; k < kSlices; ++k) {
+    for (std::size_t i = 0; i < 256; ++i) {
+      const std::uint32_t before = tables[k - 1][i];
+      tables[k][i] = tables[0][before & 0xFFu] ^ (before >> 8);
+    }
+  }
+  return tables;
 }
 
 /// Salted with the length: the plain CRC of no bytes is zero, which four zero bytes would satisfy.
@@ -23,10 +33,19 @@ std::uint32_t checksum(const char* data, std::size_t size) {
 
 }  // namespace
 
+/// Eight bytes at once. Source: Kounavis and Berry, A Systematic Approach to Building High Performance Software-Based
+/// CRC Generators, ISCC 2005 (slicing-by-8).
 std::uint32_t crc32(const char* data, std::size_t size) {
-  static const std::array<std::uint32_t, 256> table = make_crc_table();
+  static const CrcTables tables = make_crc_tables();
+  const auto byte = [data](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(data[i])); };
   std::uint32_t c = 0xFFFFFFFFu;
-  for (std::size_t i = 0; i < size; ++i) c = table[(c ^ static_cast<unsigned char>(data[i])) & 0xFFu] ^ (c >> 8);
+  std::size_t i = 0;
+  for (; i + kSlices <= size; i += kSlices) {
+    const std::uint32_t low = c ^ (byte(i) | byte(i + 1) << 8 | byte(i + 2) << 16 | byte(i + 3) << 24);
+    c = tables[7][low & 0xFFu] ^ tables[6][(low >> 8) & 0xFFu] ^ tables[5][(low >> 16) & 0xFFu] ^ tables[4][low >> 24] ^
+        tables[3][byte(i + 4)] ^ tables[2][byte(i + 5)] ^ tables[1][byte(i + 6)] ^ tables[0][byte(i + 7)];
+  }
+  for (; i < size; ++i) c = tables[0][(c ^ byte(i)) & 0xFFu] ^ (c >> 8);
   return c ^ 0xFFFFFFFFu;
 }
 

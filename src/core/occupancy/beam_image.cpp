@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/occupancy/beam_image.hpp"
 
-#include <cstring>
+#include <limits>
 
 #include "point_batch.hpp"
 #include "voxnav/base/lanes.hpp"
@@ -11,83 +11,76 @@ namespace {
 
 using namespace base::lanes;  // NOLINT: the vector types of this file
 
-/// Where beams fall in the image, see BeamImage::project().
+/// Where beams fall in the image, see cube_map.
 struct DrawnBatch {
-  alignas(32) float range_sq[PointBatch::kSize];
+  alignas(32) std::int32_t range[PointBatch::kSize];  ///< steps, rounded up; 0 = not to be drawn
   alignas(32) std::int32_t fine[PointBatch::kSize], coarse[PointBatch::kSize];
 };
 
+struct Ranges {
+  float low_sq, high_sq;
+  float steps_per_m;
+};
+
 template <int Side, int Ratio>
-VOXNAV_INLINE void draw(const PointBatch& batch, DrawnBatch* out) {
-  constexpr float kHalf = 0.5f * Side;
+VOXNAV_INLINE void draw(const PointBatch& batch, const Ranges& ranges, DrawnBatch* out) {
   constexpr int kCoarse = Side / Ratio;
-  const Floats first{}, last = first + static_cast<float>(Side - 1);
+  const Floats zero{}, farthest = zero + static_cast<float>(BeamImage::kMaxRange - 1);
   for (std::size_t i = 0; i < PointBatch::kSize; i += kLanes) {
     const auto x = loaded<Floats>(batch.x + i), y = loaded<Floats>(batch.y + i), z = loaded<Floats>(batch.z + i);
-    store(x * x + y * y + z * z, out->range_sq + i);
-    const Ints is_y = absolute(y) > absolute(x);
-    const Floats xy = is_y ? y : x;
-    const Ints is_z = absolute(z) > absolute(xy);
-    const Floats a = is_z ? z : xy;
-    const Floats b = is_z ? x : is_y ? z : y, c = is_z ? y : is_y ? x : z;
-    const Floats scale = kHalf / absolute(a);
-    // In this order NaN becomes the first pixel.
-    const Ints u = truncated(smaller(larger(b * scale + kHalf, first), last));
-    const Ints v = truncated(smaller(larger(c * scale + kHalf, first), last));
-    const Ints face = (is_z & 4) + (~is_z & is_y & 2) + ((a < 0.0f) & 1);
-    store((face * Side + v) * Side + u, out->fine + i);
-    store((face * kCoarse + v / Ratio) * kCoarse + u / Ratio, out->coarse + i);
+    const Floats range_sq = x * x + y * y + z * z;
+    const Ints is_drawn = (range_sq >= ranges.low_sq) & (range_sq <= ranges.high_sq);  // comparisons that NaN fails
+    const Floats steps = smaller(exact_root(is_drawn ? range_sq : zero) * ranges.steps_per_m, farthest);
+    store((1 + truncated(steps)) & is_drawn, out->range + i);
+    const cube_map::Projection at = cube_map::project(x, y, z, 0.5f * Side);
+    const Ints u = cube_map::pixel(at.u, Side), v = cube_map::pixel(at.v, Side);
+    store((at.face * Side + v) * Side + u, out->fine + i);
+    store((at.face * kCoarse + v / Ratio) * kCoarse + u / Ratio, out->coarse + i);
   }
 }
 
 template <int Side, int Ratio>
-VOXNAV_WIDE void draw_wide(const PointBatch& batch, DrawnBatch* out) {
-  draw<Side, Ratio>(batch, out);
+VOXNAV_WIDE void draw_wide(const PointBatch& batch, const Ranges& ranges, DrawnBatch* out) {
+  draw<Side, Ratio>(batch, ranges, out);
 }
 
 }  // namespace
 
 void BeamImage::build(const float* points, std::size_t n, std::size_t stride, float nearest_m, float farthest_m,
                       bool use_farther) {
+  const std::size_t every = 1 + (n >> kBeamBits);
+  n = (n + every - 1) / every;
   points_ = points;
-  stride_ = stride;
+  stride_ = stride * every;
   farthest_m_ = farthest_m;
+  // Longest ones need not be told apart.
+  steps_per_m_ = static_cast<float>(kMaxRange - 1) / farthest_m;
   is_first_kept_ = !is_first_kept_;
   constexpr int kCoarseSide = kSide / kRatio;
-  fine_.resize(std::size_t{6} * kSide * kSide + kTogether);
-  coarse_.resize(std::size_t{6} * kCoarseSide * kCoarseSide + kTogether);
-  std::memset(fine_.data(), 0, fine_.size() * sizeof(Pixel));
-  std::memset(coarse_.data(), 0, coarse_.size() * sizeof(Pixel));
-  const float low = nearest_m * nearest_m;
-  const float high = use_farther ? std::numeric_limits<float>::max() : farthest_m * farthest_m;
+  fine_.assign(std::size_t{6} * kSide * kSide + kTogether, 0);
+  coarse_.assign(std::size_t{6} * kCoarseSide * kCoarseSide + kTogether, 0);
+  const Ranges ranges{nearest_m * nearest_m, use_farther ? std::numeric_limits<float>::max() : farthest_m * farthest_m,
+                      steps_per_m_};
   PointBatch batch;
   DrawnBatch drawn;
   for (std::size_t begin = 0; begin < n; begin += PointBatch::kSize) {
-    const std::size_t count = batch.load(points + begin * stride, n - begin, stride);
-    (base::is_wide() ? draw_wide<kSide, kRatio> : draw<kSide, kRatio>)(batch, &drawn);
+    const std::size_t count = batch.load(points + begin * stride_, n - begin, stride_);
+    (base::is_wide() ? draw_wide<kSide, kRatio> : draw<kSide, kRatio>)(batch, ranges, &drawn);
     for (std::size_t i = 0; i < count; ++i) {
-      const float range_sq = drawn.range_sq[i];
-      if (!(range_sq >= low && range_sq <= high)) continue;
-      keep({static_cast<std::uint32_t>(begin + i), range_sq}, drawn.fine[i], drawn.coarse[i]);
+      if (drawn.range[i] == 0) continue;
+      keep(drawn.range[i] << kBeamBits | static_cast<Pixel>(begin + i), drawn.fine[i], drawn.coarse[i]);
     }
   }
 }
 
-/// Without branches, which nobody could predict: pixels are looked at as words, whose upper half is 0 where there is no
-/// beam yet.
-inline void BeamImage::keep(const Pixel& beam, std::int32_t fine, std::int32_t coarse) {
-  const auto choose = [&beam](std::uint64_t takes, Pixel* kept) {
-    std::uint64_t old, next;
-    std::memcpy(&old, kept, sizeof old);
-    std::memcpy(&next, &beam, sizeof next);
-    old ^= (old ^ next) & takes;
-    std::memcpy(kept, &old, sizeof old);
-  };
-  std::uint64_t first;
-  std::memcpy(&first, &fine_[static_cast<std::size_t>(fine)], sizeof first);
-  const std::uint64_t is_first = -static_cast<std::uint64_t>((first >> 32) == 0);
-  choose(is_first, &coarse_[static_cast<std::size_t>(coarse)]);
-  choose(is_first | -static_cast<std::uint64_t>(!is_first_kept_), &fine_[static_cast<std::size_t>(fine)]);
+/// Without branches, which nobody could predict.
+inline void BeamImage::keep(Pixel beam, std::int32_t fine, std::int32_t coarse) {
+  Pixel& fine_pixel = fine_[static_cast<std::size_t>(fine)];
+  Pixel& coarse_pixel = coarse_[static_cast<std::size_t>(coarse)];
+  const Pixel is_first = -static_cast<Pixel>(fine_pixel == 0);
+  const auto choose = [beam](Pixel takes, Pixel old) { return old ^ ((old ^ beam) & takes); };
+  coarse_pixel = choose(is_first, coarse_pixel);
+  fine_pixel = choose(is_first | -static_cast<Pixel>(!is_first_kept_), fine_pixel);
 }
 
 }  // namespace voxnav::occupancy

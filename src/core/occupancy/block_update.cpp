@@ -14,20 +14,12 @@ constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
 /// Voxels with hits of earlier scans whose surface this scan saw through.
 VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits,
                        const SurfaceSight& sight) {
-  VoxelBits out{};
-  if (block->leaves.empty()) return out;
-  const geometry::Index3& low = evidence.first_voxel;
-  for (int word = 0; word < 64; ++word) {
-    for_each_bit(evidence.passed[word] & block->leaves.bits()[word] & ~hits[word], [&](int bit) {
-      const int offset = 64 * word + bit;
-      const geometry::Index3 inside = geometry::voxel_at({0, 0, 0}, offset);
-      const geometry::Vec3f center(static_cast<float>(low.x + inside.x) + 0.5f,
-                                   static_cast<float>(low.y + inside.y) + 0.5f,
-                                   static_cast<float>(low.z + inside.z) + 0.5f);
-      if (sight.refutes(center, block->leaves.find(offset))) out[word] |= std::uint64_t{1} << bit;
-    });
+  if (block->leaves.empty()) return {};
+  VoxelBits asked;
+  for (std::size_t word = 0; word < asked.size(); ++word) {
+    asked[word] = evidence.passed[word] & block->leaves.bits()[word] & ~hits[word];
   }
-  return out;
+  return sight.refuted(evidence.first_voxel, asked, &block->leaves);
 }
 
 struct Misses {

@@ -131,7 +131,7 @@ std::size_t EndVoxels::memory_bytes() const {
   return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
          addresses_.capacity() * sizeof(Address) + sums_.capacity() * sizeof(PointSum) +
          hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f) +
-         rays_.memory_bytes();
+         rays_.capacity() * sizeof(geometry::Vec3f);
 }
 
 }  // namespace voxnav::occupancy

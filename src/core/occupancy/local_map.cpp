@@ -12,8 +12,6 @@ namespace {
 
 /// Rays end at least this far inside the window, so that rounding to float never leads out of it.
 constexpr float kBorderVoxels = 1.0f;
-/// What a thread takes at a time: enough that neighbouring rays, which mark the same words, stay together.
-constexpr std::size_t kRaysAtOnce = 512;
 constexpr std::size_t kBlocksAtOnce = 8;
 constexpr double kZeroRangeM = 1e-6;
 constexpr double kMaxCells = 5e8;
@@ -34,7 +32,6 @@ LocalMap::LocalMap(const LocalMapConfig& config)
       window_(config_.window_blocks(), block_size(config_)),
       ends_(config_.window_blocks()),
       parts_(static_cast<std::size_t>(config_.num_threads)),
-      marks_(static_cast<std::size_t>(config_.num_threads)),
       workers_(std::make_unique<base::WorkerPool>(config_.num_threads)) {}
 
 InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L) {
@@ -164,24 +161,23 @@ void LocalMap::cast_rays(const geometry::Vec3& origin) {
     high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
   }
   box_ = ScanBox(window_.num_blocks(), low, high);
-  base::SharedItems rays(ends_.rays().size(), kRaysAtOnce);
-  workers_->run([&](int worker) {
-    RayMarks& marks = marks_[static_cast<std::size_t>(worker)];
-    marks.begin(box_);
-    for (base::Share share; rays.next(&share);) marks.cast(ends_.rays(), share.begin, share.end, origin);
-    marks.finish();
+  marks_.begin(box_, ends_.rays(), origin);
+  base::SharedItems faces(RayMarks::kFaces, 1);
+  workers_->run([&](int) {
+    for (base::Share share; faces.next(&share);) marks_.cast(static_cast<int>(share.begin));
   });
 }
 
+/// Blocks lie anywhere in memory; the next one comes while this one is worked on.
+void LocalMap::prefetch(std::uint32_t block) const {
+  if (!marks_.is_crossed(block)) return;
+  if (const OctreeBlock* known = window_.at(static_cast<int>(box_.slot_of(block)))) known->prefetch();
+}
+
 BlockUpdate LocalMap::update_slot(std::uint32_t block, const SurfaceSight& sight) {
+  if (!marks_.is_crossed(block)) return {};
   BlockEvidence evidence;
-  bool is_crossed = false;
-  for (const RayMarks& marks : marks_) {
-    if (!marks.is_crossed(block)) continue;
-    marks.add_to(block, &evidence.passed);
-    is_crossed = true;
-  }
-  if (!is_crossed) return {};
+  marks_.add_to(block, &evidence.passed);
   const std::uint32_t slot = box_.slot_of(block);
   const EndVoxels::Range hits = ends_.range(slot);
   evidence.first_voxel = box_.first_voxel(block);
@@ -205,7 +201,10 @@ void LocalMap::update_blocks(const ScanFrame& frame, InsertStatistics* statistic
   workers_->run([&](int worker) {
     BlockUpdate sum;
     for (base::Share share; blocks.next(&share);) {
-      for (std::size_t i = share.begin; i < share.end; ++i) sum += update_slot(static_cast<std::uint32_t>(i), sight);
+      for (std::size_t i = share.begin; i < share.end; ++i) {
+        if (i + 1 < share.end) prefetch(static_cast<std::uint32_t>(i + 1));  // others may just make what comes then
+        sum += update_slot(static_cast<std::uint32_t>(i), sight);
+      }
     }
     updates[static_cast<std::size_t>(worker)] = sum;
   });

@@ -13,7 +13,7 @@ namespace {
 constexpr double kBytesPerBlock =
     sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
 
-/// Three bits per voxel for each thread's marks (ray_marks.hpp); a quarter more for the lines to spare.
+/// Three bits per voxel for marks (ray_marks.hpp); a quarter more for the lines to spare and the words shared by faces.
 constexpr double kMarkBytesPerBlock = 1.25 * 3.0 * geometry::kBlockVolume / 8;
 
 /// Blocks on one side of the middle one, so that the window covers its size wherever the sensor is in the middle.
@@ -30,7 +30,7 @@ std::array<int, 3> LocalMapConfig::window_blocks() const {
 }
 
 double LocalMapConfig::worst_case_bytes() const {
-  double bytes = kBytesPerBlock + num_threads * kMarkBytesPerBlock;
+  double bytes = kBytesPerBlock + kMarkBytesPerBlock;
   for (const double size_m : window_size_m)
     bytes *= 2.0 * half_blocks(size_m, resolution_m * geometry::kBlockSide) + 1.0;
   return bytes;

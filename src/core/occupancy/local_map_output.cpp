@@ -217,7 +217,7 @@ std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
 std::size_t LocalMap::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + window_.memory_bytes() + ends_.memory_bytes();
   bytes += beams_.memory_bytes();
-  for (const RayMarks& marks : marks_) bytes += marks.memory_bytes();
+  bytes += marks_.memory_bytes();
   for (const ScanPart& part : parts_) bytes += part.memory_bytes();
   for (const auto& entry : evicted_) bytes += sizeof(entry) + entry.second.occupied.capacity() * sizeof(OccupiedLeaf);
   return bytes + removed_.size() * 56 + no_return_ends_.capacity() * sizeof(geometry::Vec3f);

@@ -84,29 +84,56 @@ void OctreeBlock::refresh(const Flags& flags) {
   (base::is_wide() ? summarise_wide : summarise)(log_odds.data(), flags.data(), max_.data(), flags_.data());
 }
 
+namespace {
+
+/// Bit i becomes bit 2 i.
+std::uint64_t spread_out(std::uint32_t bits) {
+  std::uint64_t out = bits;
+  out = (out | (out << 16)) & 0x0000FFFF0000FFFFu;
+  out = (out | (out << 8)) & 0x00FF00FF00FF00FFu;
+  out = (out | (out << 4)) & 0x0F0F0F0F0F0F0F0Fu;
+  out = (out | (out << 2)) & 0x3333333333333333u;
+  return (out | (out << 1)) & 0x5555555555555555u;
+}
+
+}  // namespace
+
 containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {
-  Flags flags;
-  leaf_flags(levels, &flags);
+  static_assert(static_cast<int>(State::kFree) == 1 && static_cast<int>(State::kOccupied) == 2, "a bit each");
   containers::StateBlock out;
-  // Unknown 1, free 2, occupied 4 become 0, 1, 2 by halving.
-  for (int word = 0; word < geometry::kBlockVolume / 32; ++word) {
-    std::uint64_t packed = 0;
-    for (int i = 0; i < 32; ++i) packed |= static_cast<std::uint64_t>(flags[word * 32 + i] >> 1) << (2 * i);
-    out.words[word] = packed;
+  for (std::size_t word = 0; word < out.words.size() / 2; ++word) {
+    const std::uint64_t free = free_bits(word, levels), occupied = occupied_bits(word, levels);
+    for (std::size_t half = 0; half < 2; ++half) {
+      const auto part = [half](std::uint64_t bits) {
+        return spread_out(static_cast<std::uint32_t>(bits >> (32 * half)));
+      };
+      out.words[2 * word + half] = part(free) | part(occupied) << 1;
+    }
   }
   return out;
+}
+
+std::uint64_t OctreeBlock::free_bits(std::size_t word, const StateLevels& levels) const {
+  return ~bits_at_least(log_odds.data() + 64 * word, levels.free_end());
+}
+
+std::uint64_t OctreeBlock::occupied_bits(std::size_t word, const StateLevels& levels) const {
+  return bits_at_least(log_odds.data() + 64 * word, levels.occupied_min);
 }
 
 ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const {
   ContentBlock out;
   out.index = index;
   out.states = states(levels);
-  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    if (log_odds[offset] < levels.occupied_min) continue;
-    const SurfaceLeaf* leaf = leaves.find(offset);
-    out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
-    // Without hit statistics (their number is bounded) any ray counts as a miss: still occupied means hit.
-    if (!leaf && is_seen(offset)) out.occupied.back().own_hits = 1;
+  out.occupied.reserve(leaves.size());
+  for (std::size_t word = 0; word < seen.size(); ++word) {
+    for_each_bit(occupied_bits(word, levels), [&](int bit) {
+      const int offset = static_cast<int>(64 * word) + bit;
+      const SurfaceLeaf* leaf = leaves.find(offset);
+      out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
+      // Without hit statistics (their number is bounded) any ray counts as a miss: still occupied means hit.
+      if (!leaf && is_seen(offset)) out.occupied.back().own_hits = 1;
+    });
   }
   out.own_free = own_free(levels);
   return out;
@@ -115,18 +142,12 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
 /// A voxel that was hit is not called free, however sure the map was that it is: older scans outvote these hits, and
 /// older scans are not the submap's own.
 VoxelBits OctreeBlock::own_free(const StateLevels& levels) const {
-  VoxelBits out = seen;
-  const std::uint8_t free_end = levels.free_end();
-  for (int word = 0; word < 64; ++word) {
-    if (seen[word] == 0) continue;
-    std::uint64_t free = 0;
-    for (int bit = 0; bit < 64; ++bit) {
-      free |= static_cast<std::uint64_t>(log_odds[64 * word + bit] < free_end ? 1 : 0) << bit;
-    }
-    for_each_bit(seen[word] & free & leaves.bits()[word], [&](int bit) {
-      if (leaves.find(64 * word + bit)->recent_scans > 0) free &= ~(std::uint64_t{1} << bit);
+  VoxelBits out;
+  for (std::size_t word = 0; word < out.size(); ++word) {
+    out[word] = seen[word] & free_bits(word, levels);
+    for_each_bit(out[word] & leaves.bits()[word], [&](int bit) {
+      if (leaves.find(static_cast<int>(64 * word) + bit)->recent_scans > 0) out[word] &= ~(std::uint64_t{1} << bit);
     });
-    out[word] &= free;
   }
   return out;
 }

@@ -2,116 +2,51 @@
 #include "voxnav/occupancy/ray_marks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "ray_walk.hpp"
+#include "voxnav/base/lanes.hpp"
 #include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-using namespace ray_walk;  // NOLINT: the vector types of this file
-
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "words of a line are read as rows of 16 voxels");
 
 constexpr int kSide = geometry::kBlockSide;
-constexpr int kWordShift = 5;
-constexpr std::int32_t kInWord = 31;
+constexpr int kWord = 1 << ray_walk::kWordShift;
 
-struct Canvas {
-  std::uint32_t* words;
-  std::array<RayMarks::Image, 3> images;
-  int fraction_bits;
+struct Axes {
+  int a, b, c;
 };
+constexpr Axes axes_of(int face) { return {face / 2, face / 2 == 0 ? 1 : 0, face / 2 == 2 ? 1 : 2}; }
 
-VOXNAV_INLINE void mark(std::uint32_t* words, Ints at, Words bits) {
-  // Through memory: taking lanes out of vectors one by one takes longer.
-  alignas(32) std::int32_t to[kLanes];
-  alignas(32) std::uint32_t what[kLanes];
-  store(at, to);
-  store(bits, what);
-  VOXNAV_IN_MEMORY(to);
-  VOXNAV_IN_MEMORY(what);
-  for (int i = 0; i < kLanes; ++i) words[to[i]] |= what[i];
+/// By arithmetic, since branches could not be predicted.
+int face_through(const geometry::Vec3f& way) {
+  const float x = std::abs(way.x()), y = std::abs(way.y()), z = std::abs(way.z());
+  const bool is_x = (x >= y) & (x >= z), is_y = !is_x & (y >= z), is_z = !is_x & !is_y;
+  const unsigned is_up = (is_x & (way.x() > 0.0f)) | (is_y & (way.y() > 0.0f)) | (is_z & (way.z() > 0.0f));
+  return static_cast<int>(2u * is_y + 4u * is_z + is_up);
 }
 
-VOXNAV_INLINE Ends ordered(const Choice& longest, Floats x, Floats y, Floats z, const geometry::Vec3f& origin) {
-  const Floats zero{};
-  const Floats a = longest.of(x, y, z), b = longest.of(y, x, x), c = longest.of(z, z, y);
-  const Floats ox = zero + origin.x(), oy = zero + origin.y(), oz = zero + origin.z();
-  const Floats oa = longest.of(ox, oy, oz), ob = longest.of(oy, ox, ox), oc = longest.of(oz, oz, oy);
-  const Ints is_back = a > oa;
-  return {is_back ? oa : a, is_back ? ob : b, is_back ? oc : c, is_back ? a : oa, is_back ? b : ob, is_back ? c : oc};
-}
-
-/// How many words a ray marks.
-VOXNAV_INLINE Ints num_runs(const Ends& ray) {
-  const auto changes = [](Floats from, Floats to, int shift) {
-    const Ints n = (truncated(to) >> shift) - (truncated(from) >> shift);
-    return larger(n, -n);
-  };
-  return 1 + changes(ray.from_b, ray.to_b, 0) + changes(ray.from_c, ray.to_c, 0) +
-         changes(ray.from_a, ray.to_a, kWordShift);
-}
-
-VOXNAV_INLINE void walk(const Canvas& canvas, Floats x, Floats y, Floats z, const geometry::Vec3f& origin) {
-  const Floats wx = absolute(x - origin.x()), wy = absolute(y - origin.y()), wz = absolute(z - origin.z());
-  const Ints is_x = (wx >= wy) & (wx >= wz);
-  const Choice longest{is_x, ~is_x & (wy >= wz)};
-  const Ends ray = ordered(longest, x, y, z, origin);
-  const auto constant = [&](std::int32_t RayMarks::Image::*field) {
-    const Ints zero{};
-    return longest.of(zero + canvas.images[0].*field, zero + canvas.images[1].*field, zero + canvas.images[2].*field);
-  };
-  const Ints step_b = constant(&RayMarks::Image::step_b), step_c = constant(&RayMarks::Image::step_c);
-  const Ints zero_line = constant(&RayMarks::Image::zero);
-  const auto one = static_cast<float>(1 << canvas.fraction_bits);
-  const Floats length_a = ray.to_a - ray.from_a;
-  ShortAxis b = short_axis(ray.from_b, ray.to_b, ray.from_a, length_a, step_b, one);
-  ShortAxis c = short_axis(ray.from_c, ray.to_c, ray.from_a, length_a, step_c, one);
-  Ints line = zero_line + truncated(ray.from_b) * step_b + truncated(ray.from_c) * step_c;
-  Ints at = truncated(ray.from_a);
-  const Ints last = truncated(ray.to_a);
-  const Ints last_change = truncated(ray.to_a * one);
-  for (int left = highest(num_runs(ray)); left > 0; --left) {
-    const Ints is_b = b.next <= c.next;
-    const Ints next = is_b ? b.next : c.next;
-    const Ints changes = next < last_change;
-    const Ints target = larger(changes ? next >> canvas.fraction_bits : last, at);
-    // A run ends where its word ends; it goes on in the next one.
-    const Ints word_end = at | kInWord;
-    const Ints is_cut = target > word_end;
-    const Ints stop = is_cut ? word_end : target;
-    const Words low = (Words{} + 1u) << (Words)(at & kInWord), high = (Words{} + 2u) << (Words)(stop & kInWord);
-    mark(canvas.words, line + (at >> kWordShift), high - low);
-    const Ints takes = changes & ~is_cut;
-    b.next += b.per_cell & takes & is_b;
-    c.next += c.per_cell & takes & ~is_b;
-    line += (b.step & takes & is_b) + (c.step & takes & ~is_b);
-    at = is_cut ? word_end + 1 : target;
+struct Extent {
+  float low, high;
+};
+/// Of some numbers and one more.
+Extent extent_of(const float* begin, const float* end, float other) {
+  using namespace base::lanes;  // NOLINT: the vector types of this function
+  Floats low = Floats{} + other, high = low;
+  const float* at = begin;
+  for (; end - at >= kLanes; at += kLanes) {
+    low = smaller(low, loaded<Floats>(at));
+    high = larger(high, loaded<Floats>(at));
   }
-  // Where rounding has put the last change behind the end.
-  line = zero_line + truncated(ray.to_b) * step_b + truncated(ray.to_c) * step_c;
-  mark(canvas.words, line + (last >> kWordShift), (Words{} + 1u) << (Words)(last & kInWord));
-}
-
-VOXNAV_INLINE void walk_all(const Canvas& canvas, const RayEnds& ends, std::size_t first, std::size_t last,
-                            const geometry::Vec3f& corner, const geometry::Vec3f& origin) {
-  for (std::size_t i = first; i < last; i += kLanes) {
-    Floats p[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const float* from = ends.along[static_cast<std::size_t>(axis)].data() + i;
-      // The last rays are walked again in lanes that would be empty.
-      for (std::size_t k = 0; k < kLanes; ++k) p[axis][k] = from[std::min(k, last - i - 1)];
-      p[axis] -= corner[axis];
-    }
-    walk(canvas, p[0], p[1], p[2], origin);
-  }
-}
-
-VOXNAV_WIDE void walk_all_wide(const Canvas& canvas, const RayEnds& ends, std::size_t first, std::size_t last,
-                               const geometry::Vec3f& corner, const geometry::Vec3f& origin) {
-  walk_all(canvas, ends, first, last, corner, origin);
+  Extent out{other, other};
+  for (int i = 0; i < kLanes; ++i) out = {std::min(out.low, low[i]), std::max(out.high, high[i])};
+  for (; at < end; ++at) out = {std::min(out.low, *at), std::max(out.high, *at)};
+  return out;
 }
 
 /// 16 rows of 16 voxels of an image, and whether any is marked.
@@ -127,40 +62,6 @@ struct Rows {
   }
 };
 
-}  // namespace
-
-void RayMarks::begin(const ScanBox& box) {
-  box_ = &box;
-  std::uint32_t longest = 0, size = 0;
-  for (int a = 0; a < 3; ++a) {
-    const auto lines = [&](int axis) { return box.size(axis) * kSide + 2; };
-    Image& image = images_[static_cast<std::size_t>(a)];
-    image.step_b = static_cast<std::int32_t>((box.size(a) * kSide + kInWord) >> kWordShift);
-    image.step_c = image.step_b * static_cast<std::int32_t>(lines(a == 0 ? 1 : 0));
-    image.zero = static_cast<std::int32_t>(size) + image.step_b + image.step_c;
-    size += static_cast<std::uint32_t>(image.step_c) * lines(a == 2 ? 1 : 2);
-    longest = std::max(longest, lines(a));
-  }
-  words_.assign(size, 0);
-  // Coordinates stay below 2^29, so that the sum of one and kNever is still a number.
-  for (fraction_bits_ = 0; (std::uint64_t{longest} << (fraction_bits_ + 1)) < (1u << 29);) ++fraction_bits_;
-}
-
-void RayMarks::cast(const RayEnds& ends, std::size_t first, std::size_t last, const geometry::Vec3& origin) {
-  const geometry::Vec3f corner = box_->corner().cast<float>();
-  const geometry::Vec3f from = origin.cast<float>() - corner;
-  const Canvas canvas{words_.data(), images_, fraction_bits_};
-  (base::is_wide() ? walk_all_wide : walk_all)(canvas, ends, first, last, corner, from);
-}
-
-const std::uint8_t* RayMarks::line_of(int axis, int a, int b, int c) const {
-  const Image& image = images_[static_cast<std::size_t>(axis)];
-  const std::uint32_t* line = words_.data() + image.zero + b * image.step_b + c * image.step_c;
-  return reinterpret_cast<const std::uint8_t*>(line) + a / 8;
-}
-
-namespace {
-
 /// What any of 16 times `count` words holds, `step` words apart.
 VOXNAV_INLINE void unite(const std::uint32_t* from, std::size_t count, std::ptrdiff_t step, std::uint32_t* all) {
   std::memcpy(all, from, count * sizeof *all);
@@ -175,56 +76,148 @@ VOXNAV_WIDE void unite_wide(const std::uint32_t* from, std::size_t count, std::p
 
 }  // namespace
 
-void RayMarks::finish() {
-  crossed_.assign(box_->num_blocks(), 0);
-  std::vector<std::uint32_t> all;
-  for (int a = 0; a < 3; ++a) {
-    const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
-    const Image& image = images_[static_cast<std::size_t>(a)];
-    const auto words = static_cast<std::size_t>(image.step_b);
-    all.resize(kSide * words);
-    for (std::uint32_t bc = 0; bc < box_->size(b) * box_->size(c); ++bc) {
-      const std::uint32_t block_b = bc % box_->size(b), block_c = bc / box_->size(b);
-      const std::uint32_t* first = words_.data() + image.zero +
-                                   static_cast<std::int32_t>(block_b * kSide) * image.step_b +
-                                   static_cast<std::int32_t>(block_c * kSide) * image.step_c;
-      (base::is_wide() ? unite_wide : unite)(first, all.size(), image.step_c, all.data());
-      for (std::uint32_t block_a = 0; block_a < box_->size(a); ++block_a) {
+void RayMarks::begin(const ScanBox& box, const std::vector<geometry::Vec3f>& ends, const geometry::Vec3& origin) {
+  box_ = &box;
+  origin_ = (origin - box.corner()).cast<float>();
+  const std::uint32_t longest = std::max({box.size(0), box.size(1), box.size(2)}) * kSide + 2;
+  // Coordinates stay below 2^29, so that the sum of one and kNever is still a number.
+  for (fraction_bits_ = 0; (std::uint64_t{longest} << (fraction_bits_ + 1)) < (1u << 29);) ++fraction_bits_;
+  sort(ends);
+}
+
+void RayMarks::sort(const std::vector<geometry::Vec3f>& ends) {
+  const geometry::Vec3f corner = box_->corner().cast<float>();
+  std::array<std::size_t, kFaces> count{};
+  face_of_.resize(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const int face = face_through(ends[i] - corner - origin_);
+    face_of_[i] = static_cast<std::uint8_t>(face);
+    ++count[static_cast<std::size_t>(face)];
+  }
+  std::array<std::size_t, kFaces> next{};
+  for (std::size_t face = 0, begin = 0; face < kFaces; begin += count[face++]) {
+    faces_[face].rays_begin = next[face] = begin;
+    faces_[face].rays_end = begin + count[face];
+  }
+  for (auto& axis : along_) axis.resize(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const std::size_t at = next[face_of_[i]]++;
+    const Axes axes = axes_of(face_of_[i]);
+    along_[0][at] = ends[i][axes.a] - corner[axes.a];
+    along_[1][at] = ends[i][axes.b] - corner[axes.b];
+    along_[2][at] = ends[i][axes.c] - corner[axes.c];
+  }
+  std::iota(by_size_.begin(), by_size_.end(), 0);
+  std::stable_sort(by_size_.begin(), by_size_.end(), [&](int a, int b) {
+    return count[static_cast<std::size_t>(a)] > count[static_cast<std::size_t>(b)];
+  });
+}
+
+void RayMarks::cast(int nth) {
+  const int which = by_size_[static_cast<std::size_t>(nth)];
+  Face& face = faces_[static_cast<std::size_t>(which)];
+  face.crossed.clear();
+  if (face.rays_begin == face.rays_end) return;
+  find_reach(which);
+  clear(which);
+  const Axes axes = axes_of(which);
+  const auto from = [&](int axis) { return along_[static_cast<std::size_t>(axis)].data() + face.rays_begin; };
+  ray_walk::mark_rays({from(0), from(1), from(2), face.rays_end - face.rays_begin, origin_[axes.a], origin_[axes.b],
+                       origin_[axes.c], (which & 1) != 0},
+                      {face.words.data(), face.zero, face.step_b, face.step_c, fraction_bits_});
+  find_crossed(which);
+}
+
+void RayMarks::find_reach(int which) {
+  Face& face = faces_[static_cast<std::size_t>(which)];
+  const Axes axes = axes_of(which);
+  const int axis_of[3] = {axes.a, axes.b, axes.c};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float* at = along_[k].data();
+    const Extent extent = extent_of(at + face.rays_begin, at + face.rays_end, origin_[axis_of[k]]);
+    face.reach[k] = {static_cast<std::int32_t>(extent.low) / kSide, static_cast<std::int32_t>(extent.high) / kSide + 1};
+  }
+}
+
+void RayMarks::clear(int which) {
+  Face& face = faces_[static_cast<std::size_t>(which)];
+  const auto& [a, b, c] = face.reach;
+  const auto lines = [](const Reach& reach) { return (reach.high - reach.low) * kSide + 2; };
+  const std::int32_t first_word = a.low * kSide / kWord;
+  face.step_b = (a.high * kSide - 1) / kWord + 1 - first_word;
+  face.step_c = face.step_b * lines(b);
+  // Reach is in the image behind one spare line.
+  face.zero = (1 - b.low * kSide) * face.step_b + (1 - c.low * kSide) * face.step_c - first_word;
+  face.words.assign(static_cast<std::size_t>(face.step_c) * static_cast<std::size_t>(lines(c)), 0);
+}
+
+void RayMarks::find_crossed(int which) {
+  Face& face = faces_[static_cast<std::size_t>(which)];
+  const auto& [a, b, c] = face.reach;
+  const Axes axes = axes_of(which);
+  face.crossed.assign(box_->num_blocks(), 0);
+  const auto words = static_cast<std::size_t>(face.step_b);
+  std::vector<std::uint32_t> all(kSide * words);
+  const std::int32_t first_word = a.low * kSide / kWord;
+  for (std::int32_t block_c = c.low; block_c < c.high; ++block_c) {
+    for (std::int32_t block_b = b.low; block_b < b.high; ++block_b) {
+      const std::uint32_t* first =
+          face.words.data() + (face.zero + first_word + block_b * kSide * face.step_b + block_c * kSide * face.step_c);
+      (base::is_wide() ? unite_wide : unite)(first, all.size(), face.step_c, all.data());
+      for (std::int32_t block_a = a.low; block_a < a.high; ++block_a) {
         std::uint32_t any = 0;
-        for (std::size_t line = 0; line < kSide; ++line) any |= all[line * words + block_a / 2];
-        if (((any >> (kSide * (block_a & 1u))) & 0xFFFFu) == 0) continue;
-        const std::uint32_t block =
-            block_a * box_->block_stride(a) + block_b * box_->block_stride(b) + block_c * box_->block_stride(c);
-        crossed_[block] |= static_cast<std::uint8_t>(1u << a);
+        const auto word = static_cast<std::size_t>(block_a * kSide / kWord - first_word);
+        for (std::size_t line = 0; line < kSide; ++line) any |= all[line * words + word];
+        if (((any >> (block_a * kSide % kWord)) & 0xFFFFu) == 0) continue;
+        const auto along = [&](int axis, std::int32_t block) {
+          return static_cast<std::uint32_t>(block) * box_->block_stride(axis);
+        };
+        face.crossed[along(axes.a, block_a) + along(axes.b, block_b) + along(axes.c, block_c)] = 1;
       }
     }
   }
 }
 
+bool RayMarks::is_crossed(std::uint32_t block) const {
+  return std::any_of(faces_.begin(), faces_.end(),
+                     [block](const Face& face) { return !face.crossed.empty() && face.crossed[block] != 0; });
+}
+
+const std::uint8_t* RayMarks::line_of(int which, int a, int b, int c) const {
+  const Face& face = faces_[static_cast<std::size_t>(which)];
+  const std::uint32_t* word = face.words.data() + (face.zero + b * face.step_b + c * face.step_c + a / kWord);
+  return reinterpret_cast<const std::uint8_t*>(word) + a % kWord / 8;
+}
+
 void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
   const geometry::Index3 first = box_->first_in_box(block);
-  const auto bytes = [&](int a) {
-    return static_cast<std::ptrdiff_t>(images_[static_cast<std::size_t>(a)].step_b) * 4;
-  };
-  const auto set = [&](int y, int z, std::uint16_t row) {
-    (*bits)[static_cast<std::size_t>(4 * z + y / 4)] |= std::uint64_t{row} << (16 * (y & 3));
-  };
-  Rows rows;
-  std::uint16_t turned[kSide];
-  for (int z = 0; z < kSide && (crossed_[block] & 1u) != 0; ++z) {  // rows in the order of the voxels already
-    if (!rows.load(line_of(0, first.x, first.y, first.z + z), bytes(0))) continue;
-    for (int y = 0; y < kSide; ++y) set(y, z, rows.row[y]);
+  const int at[3] = {first.x, first.y, first.z};
+  for (int which = 0; which < kFaces; ++which) {
+    const Face& face = faces_[static_cast<std::size_t>(which)];
+    if (face.crossed.empty() || face.crossed[block] == 0) continue;
+    const Axes axes = axes_of(which);
+    Rows rows;
+    std::uint16_t turned[kSide];
+    for (int c = 0; c < kSide; ++c) {
+      if (!rows.load(line_of(which, at[axes.a], at[axes.b], at[axes.c] + c),
+                     static_cast<std::ptrdiff_t>(face.step_b) * 4))
+        continue;
+      if (axes.a != 0) transpose_16(rows.row, turned);
+      // Rows are along x now, one for each b (axis x) or each a.
+      for (int i = 0; i < kSide; ++i) {
+        const int y = axes.a == 2 ? c : i, z = axes.a == 2 ? i : c;
+        const std::uint16_t row = axes.a == 0 ? rows.row[i] : turned[i];
+        (*bits)[static_cast<std::size_t>(4 * z + y / 4)] |= std::uint64_t{row} << (16 * (y & 3));
+      }
+    }
   }
-  for (int z = 0; z < kSide && (crossed_[block] & 2u) != 0; ++z) {
-    if (!rows.load(line_of(1, first.y, first.x, first.z + z), bytes(1))) continue;
-    transpose_16(rows.row, turned);
-    for (int y = 0; y < kSide; ++y) set(y, z, turned[y]);
-  }
-  for (int y = 0; y < kSide && (crossed_[block] & 4u) != 0; ++y) {
-    if (!rows.load(line_of(2, first.z, first.x, first.y + y), bytes(2))) continue;
-    transpose_16(rows.row, turned);
-    for (int z = 0; z < kSide; ++z) set(y, z, turned[z]);
-  }
+}
+
+std::size_t RayMarks::memory_bytes() const {
+  std::size_t bytes = face_of_.capacity();
+  for (const auto& axis : along_) bytes += axis.capacity() * sizeof(float);
+  for (const Face& face : faces_) bytes += face.words.capacity() * sizeof(face.words[0]) + face.crossed.capacity();
+  return bytes;
 }
 
 }  // namespace voxnav::occupancy

@@ -82,18 +82,6 @@ bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
   return seen_through > std::min<int>(patience, max_patience);
 }
 
-HitSpread SurfaceLeaf::spread(float least_spread) const {
-  const auto entry = [&](int i) { return static_cast<float>(covariance[i]) * kCovarianceUnit; };
-  const float least = least_spread * least_spread;
-  const float xx = entry(0) + least, xy = entry(1), xz = entry(2);
-  const float yy = entry(3) + least, yz = entry(4), zz = entry(5) + least;
-  HitSpread out{{yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy, xx * zz - xz * xz, xy * xz - xx * yz,
-                 xx * yy - xy * xy},
-                0.0f};
-  out.determinant = xx * out.adjugate[0] + xy * out.adjugate[1] + xz * out.adjugate[2];
-  return out;
-}
-
 OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
   const auto in_bytes = [](std::int16_t value) {
     return static_cast<std::int8_t>(rounded(static_cast<float>(value) * (127.0f / kMeanUnits)));
@@ -123,18 +111,21 @@ void SurfaceLeaves::begin_handover() {
 
 void SurfaceLeaves::assign(const VoxelBits& bits) {
   if (bits == bits_) return;
-  std::vector<SurfaceLeaf> packed;
   std::array<std::uint16_t, 64> first{};
   std::size_t count = 0;
   for (int word = 0; word < 64; ++word) {
     first[word] = static_cast<std::uint16_t>(count);
     count += count_bits(bits[word]);
   }
-  packed.reserve(count);
+  std::vector<SurfaceLeaf> packed(count);
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(bits[word], [&](int bit) {
-      const SurfaceLeaf* old = find(word * 64 + bit);
-      packed.push_back(old ? *old : SurfaceLeaf{});
+    const SurfaceLeaf* old = leaves_.data() + first_[word];
+    SurfaceLeaf* next = packed.data() + first[word];
+    for_each_bit(bits[word] | bits_[word], [&](int bit) {
+      const bool was = ((bits_[word] >> bit) & 1u) != 0, is = ((bits[word] >> bit) & 1u) != 0;
+      if (was && is) *next = *old;
+      old += was ? 1 : 0;
+      next += is ? 1 : 0;
     });
   }
   leaves_ = std::move(packed);

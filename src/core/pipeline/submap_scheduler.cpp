@@ -75,7 +75,11 @@ std::optional<Handover> SubmapScheduler::close(const std::string& reason, occupa
   if (!is_open()) return std::nullopt;
   Handover out = header(reason, true);
   out.content = std::exchange(evicted_, occupancy::MapContent{});
-  out.content.merge(content);
+  if (out.content.blocks.empty()) {
+    out.content = std::move(content);
+  } else {
+    out.content.merge(content);
+  }
   discard();
   return out;
 }

@@ -3,6 +3,7 @@
 about a yard with drift; the truck moves between them."""
 
 import argparse
+import os
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,6 +11,7 @@ from scipy.spatial import cKDTree
 import voxnav
 from voxnav.alignment.flight import fly, world_of
 from voxnav.alignment.measure import aligned_surface, solve
+from voxnav.alignment.pictures import draw_places
 from voxnav.alignment.scenarios import Scenario
 
 _RING = [(2.0, -13.0), (37.0, -13.0), (37.0, 13.0), (2.0, 13.0)]
@@ -29,6 +31,11 @@ def _is_truck(points, T_W_V, margin_m, lowest_m):
     return inside & (p[:, 2] > lowest_m) & (p[:, 2] < 4.0)
 
 
+def _corners(T_W_V):
+    x, y = _HALF_TRUCK_M
+    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)]) @ T_W_V[:2, :2].T + T_W_V[:2, 3]
+
+
 def _map_of(submaps, T_W_S_by_id):
     collection = voxnav.SubmapCollection()
     for record, submap in submaps:
@@ -46,8 +53,9 @@ def _changes(collection, T_est, T_true, trucks):
     return out
 
 
-def evaluate(seed, drift_m):
-    """Returns rows (poses, share of the old truck that is left, share of static surface that is lost, changes)."""
+def evaluate(seed, drift_m, picture=None):
+    """Returns rows (poses, share of the old truck that is left, share of static surface that is lost, changes), and
+    draws the corrected map before the truck moved and at the end."""
     scenario = scenario_of(drift_m)
     world = world_of(scenario, seed)
     trucks, moved_at_s = [world.vehicle_pose()], []
@@ -74,6 +82,10 @@ def evaluate(seed, drift_m):
         gap_m = cKDTree(points).query(old[static])[0]
         out.append((name, _is_truck(points, trucks[0], 0.3, 0.3).sum() / max(1, truck.sum()),
                     float(np.mean(gap_m > _LOST_M + slack_m)), _changes(collection, T_est, true, trucks)))
+        if picture and name == "corrected":
+            corners = [_corners(T) for T in trucks]
+            draw_places(picture, {"before it drove away": (old, corners[:1]), "after the second round": (points, corners)},
+                        world)
     return out
 
 
@@ -81,14 +93,17 @@ def main(argv=None):
     parser = argparse.ArgumentParser(prog="evaluate_ghosts", description=__doc__)
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], help="of world, sensor and drift")
     parser.add_argument("--drift", type=float, default=1.0, help="peak [m], default %(default)s")
+    parser.add_argument("--out", default=os.path.join("build", "ghosts"), help="for pictures, default %(default)s")
     args = parser.parse_args(argv)
+    os.makedirs(args.out, exist_ok=True)
     print("seed  poses      old truck left  static lost  listed where the truck was, is, and elsewhere (voxels)")
     for seed in args.seeds:
-        for name, truck, lost, changes in evaluate(seed, args.drift):
+        for name, truck, lost, changes in evaluate(seed, args.drift, os.path.join(args.out, "truck_%d.png" % seed)):
             at_trucks = ["%s %d" % (kind, voxels) for kind, voxels, gap_m in changes if gap_m < 4.0]
             others = [(kind, voxels) for kind, voxels, gap_m in changes if gap_m >= 4.0]
             elsewhere = ["%s: %d of %d" % (kind, len(rows), sum(rows)) for kind in ("appeared", "disappeared")
                          for rows in [[voxels for k, voxels in others if k == kind]]]
             print("%4d  %-9s %13.1f %% %10.2f %%  %s | %s" % (
                 seed, name, 100.0 * truck, 100.0 * lost, ", ".join(at_trucks), ", ".join(elsewhere)), flush=True)
+    print("pictures in %s" % args.out)
     return 0

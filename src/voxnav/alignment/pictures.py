@@ -49,6 +49,26 @@ def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
     _save(figure, path)
 
 
+def draw_places(path, maps, world):
+    """What maps hold between knee and crown around some places. maps: dict of title -> ((n, 3) aligned points, list of
+    (4, 2) corners of the places)."""
+    figure, axes = plt.subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
+                                constrained_layout=True)
+    everywhere = np.concatenate([corners for _, places in maps.values() for corners in places])
+    low, high = everywhere.min(axis=0) - 6.0, everywhere.max(axis=0) + 6.0
+    for ax, (title, (points, places)) in zip(axes, maps.items()):
+        height = points[:, 2] - world.ground_height(points[:, 0], points[:, 1])
+        near = np.all((points[:, :2] > low) & (points[:, :2] < high), axis=1) & (height > 0.5) & (height < 3.5)
+        dots = ax.scatter(points[near, 0], points[near, 1], s=5, c=height[near], cmap="viridis", vmin=0.5, vmax=3.5)
+        for corners, colour in zip(places, ("tab:red", "tab:green")):
+            ax.add_patch(plt.Polygon(corners, fill=False, color=colour))
+        ax.set(title=title, xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=(low[0], high[0]),
+               ylim=(low[1], high[1]))
+    figure.colorbar(dots, ax=axes, label="height above ground [m]")
+    figure.savefig(path, dpi=90)
+    plt.close(figure)
+
+
 def _save(figure, path):
     figure.tight_layout()
     figure.savefig(path, dpi=90)

@@ -38,4 +38,22 @@ TEST(Bytes, ImplausibleCountIsRefused) {
   EXPECT_THROW(reader.get_count(8), std::invalid_argument);
 }
 
+/// Bit by bit, as the checksum is defined.
+std::uint32_t plain_crc32(const std::string& bytes) {
+  std::uint32_t c = 0xFFFFFFFFu;
+  for (const char byte : bytes) {
+    c ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) c = (c & 1u) != 0 ? 0xEDB88320u ^ (c >> 1) : c >> 1;
+  }
+  return c ^ 0xFFFFFFFFu;
+}
+
+TEST(Bytes, ChecksumOfEveryLengthFollowsItsDefinition) {
+  std::string bytes;
+  for (int size = 0; size < 70; ++size) {
+    EXPECT_EQ(voxnav::base::crc32(bytes.data(), bytes.size()), plain_crc32(bytes)) << size;
+    bytes.push_back(static_cast<char>(size * 37 + 200));
+  }
+}
+
 TEST(Bytes, ChecksumMatchesThePublishedCheckValue) { EXPECT_EQ(voxnav::base::crc32("123456789", 9), 0xCBF43926u); }

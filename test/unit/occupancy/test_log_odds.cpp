@@ -75,6 +75,15 @@ TEST(ByteOps, VectorAndPlainSubtractionAgree) {
   }
 }
 
+TEST(ByteOps, FindsTheCellsThatAreAtLeastSoMuch) {
+  std::uint8_t cells[64];
+  for (int i = 0; i < 64; ++i) cells[i] = static_cast<std::uint8_t>(i * 41);
+  for (const int limit : {0, 1, 41, 127, 128, 200, 255, 256}) {
+    const std::uint64_t bits = voxnav::occupancy::bits_at_least(cells, limit);
+    for (int i = 0; i < 64; ++i) EXPECT_EQ((bits >> i) & 1u, cells[i] >= limit ? 1u : 0u) << i << " " << limit;
+  }
+}
+
 TEST(ByteOps, TransposesBitMatrices) {
   std::mt19937_64 rng(6);
   for (int trial = 0; trial < 100; ++trial) {

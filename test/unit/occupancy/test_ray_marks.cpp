@@ -11,7 +11,6 @@
 using namespace voxnav;  // NOLINT: test
 using geometry::Index3;
 using geometry::Vec3;
-using occupancy::RayEnds;
 using occupancy::RayMarks;
 using occupancy::ScanBox;
 
@@ -27,6 +26,11 @@ void with_both(Test test) {
     test();
   }
   base::use_wide(true);
+}
+
+void cast(RayMarks* marks, const ScanBox& box, const std::vector<geometry::Vec3f>& ends, const Vec3& origin) {
+  marks->begin(box, ends, origin);
+  for (int face = 0; face < RayMarks::kFaces; ++face) marks->cast(face);
 }
 
 std::set<Index3> marked(const ScanBox& box, const RayMarks& marks) {
@@ -101,11 +105,7 @@ TEST(RayMarks, MarksWhatASegmentCrosses) {
       if (trial % 4 == 1) end[trial % 3] = origin[trial % 3];  // in a plane of the grid
       if (trial % 4 == 2) end = origin + Vec3::Unit(trial % 3) * (end - origin)[trial % 3];
       if (trial == 11) end = origin;
-      RayEnds ends;
-      ends.push_back(end.cast<float>());
-      marks.begin(box);
-      marks.cast(ends, 0, 1, origin);
-      marks.finish();
+      cast(&marks, box, {end.cast<float>()}, origin);
       expect_segment(marked(box, marks), origin, end);
     }
   });
@@ -116,21 +116,17 @@ TEST(RayMarks, ManyRaysMarkWhatEachOfThemMarks) {
     const ScanBox box(kWindow, {1, 0, 1}, {kWindow[0] - 1, kWindow[1] - 1, kWindow[2] - 2});
     std::mt19937 rng(4);
     const Vec3 origin(50.0, 40.0, 30.0);
-    RayEnds ends;
+    std::vector<geometry::Vec3f> ends;
     while (ends.size() < 37) {  // no multiple of the rays that are walked at once
       const Vec3 end = random_point(&rng);
       if (end.x() >= 17.0 && end.z() >= 17.0 && end.z() < 16.0 * (kWindow[2] - 1) - 1.0)
         ends.push_back(end.cast<float>());
     }
     RayMarks all, one;
-    all.begin(box);
-    all.cast(ends, 0, ends.size(), origin);
-    all.finish();
+    cast(&all, box, ends, origin);
     std::set<Index3> expected;
-    for (std::size_t i = 0; i < ends.size(); ++i) {
-      one.begin(box);
-      one.cast(ends, i, i + 1, origin);
-      one.finish();
+    for (const geometry::Vec3f& end : ends) {
+      cast(&one, box, {end}, origin);
       for (const Index3& voxel : marked(box, one)) expected.insert(voxel);
     }
     EXPECT_EQ(marked(box, all), expected);
