@@ -26,8 +26,8 @@ class PlacedLeaves {
     }
   };
 
-  /// Add at most `count`, then sort() once.
-  void reserve(std::size_t count);
+  /// Add at most `count`, then sort() once. @param num_blocks  an estimate
+  void reserve(std::size_t count, std::size_t num_blocks);
   /// The number of a block, new or not.
   std::uint32_t block(const geometry::Index3& index);
   /// The next one, to be filled in and then sorted into its block.

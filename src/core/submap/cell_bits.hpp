@@ -4,7 +4,16 @@
 #include <array>
 #include <cstdint>
 
+#include "voxnav/geometry/voxel.hpp"
+
 namespace voxnav::submap {
+
+/// Whether the voxels of a block and of those around it can be counted in 32 bits.
+inline bool is_block_in_range(const geometry::Index3& block) {
+  constexpr std::int32_t kLimit = 1 << 26;
+  const auto is_in = [](std::int32_t c) { return c >= -kLimit && c < kLimit; };
+  return is_in(block.x) && is_in(block.y) && is_in(block.z);
+}
 
 /// Moves bit 2 i to bit i.
 inline std::uint64_t gather_even(std::uint64_t bits) {

@@ -2,6 +2,7 @@
 #include "voxnav/submap/compressed_field.hpp"
 
 #include <cmath>
+#include <cstring>
 
 namespace voxnav::submap {
 namespace {
@@ -24,10 +25,16 @@ std::uint64_t columns_of_cell(std::uint64_t bits) {
          spread_by_four((bits >> 32) & 0xFFFFu) << 2 | spread_by_four(bits >> 48) << 3;
 }
 
-/// Columns of four of a cell into those of its block. @param columns  of the block, from the cell's first on
+/// Columns of four of a cell into those of its block, four at once. @param columns  of the block, from the cell's first
+/// on
 void add_nibbles(std::uint64_t nibbles, int z, std::uint16_t* columns) {
-  for (int y = 0; y < 4; ++y, columns += geometry::kBlockSide) {
-    for (int x = 0; x < 4; ++x, nibbles >>= 4) columns[x] |= static_cast<std::uint16_t>((nibbles & 15u) << z);
+  for (int y = 0; y < 4; ++y, columns += geometry::kBlockSide, nibbles >>= 16) {
+    const std::uint64_t apart =
+        (nibbles & 0xFu) | (nibbles & 0xF0u) << 12 | (nibbles & 0xF00u) << 24 | (nibbles & 0xF000u) << 36;
+    std::uint64_t four;
+    std::memcpy(&four, columns, sizeof four);
+    four |= apart << z;
+    std::memcpy(columns, &four, sizeof four);
   }
 }
 

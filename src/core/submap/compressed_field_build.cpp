@@ -57,6 +57,7 @@ CompressedField::CompressedField(const occupancy::MapContent& content, double ba
   for (const occupancy::ContentBlock* block : order) {
     if (!blocks_.empty() && blocks_.back().index == block->index)
       throw std::invalid_argument("map content has the same block twice");
+    if (!is_block_in_range(block->index)) throw std::invalid_argument("map content has a block index out of range");
     add_block(*block);
   }
   shrink();

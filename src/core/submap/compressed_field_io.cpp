@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cell_bits.hpp"
 #include "voxnav/submap/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -110,7 +111,6 @@ void CompressedField::read_own(base::ByteReader* in) {
 }
 
 void CompressedField::check(const base::ByteReader& in) const {
-  constexpr std::int32_t kLimit = 1 << 26;
   std::size_t num_occupied = 0;
   for (const std::uint64_t word : occupied_) {
     if (word == 0 && !has_values_) in.fail("has a cell of surfaces without any");
@@ -118,11 +118,8 @@ void CompressedField::check(const base::ByteReader& in) const {
   }
   if (num_occupied != leaves_.size()) in.fail("has leaves that do not match its states");
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const Index3& b = blocks_[i].index;
-    for (const std::int32_t c : {b.x, b.y, b.z}) {
-      if (c < -kLimit || c >= kLimit) in.fail("has a block index out of range");
-    }
-    if (i > 0 && !(blocks_[i - 1].index < b)) in.fail("has unsorted blocks");
+    if (!is_block_in_range(blocks_[i].index)) in.fail("has a block index out of range");
+    if (i > 0 && !(blocks_[i - 1].index < blocks_[i].index)) in.fail("has unsorted blocks");
     for (int cell = 0; cell < kCells; ++cell) {
       if ((occupied_of(blocks_[i], cell) & free_of(blocks_[i], cell)) != 0)
         in.fail("holds a voxel state that does not exist");

@@ -31,7 +31,9 @@ std::uint32_t PlacedLeaves::block(const Index3& index) {
   return added.first->second;
 }
 
-void PlacedLeaves::reserve(std::size_t count) {
+void PlacedLeaves::reserve(std::size_t count, std::size_t num_blocks) {
+  blocks_.reserve(num_blocks);
+  numbers_.reserve(num_blocks);
   added_.resize(count);
   block_of_added_.resize(count);
 }

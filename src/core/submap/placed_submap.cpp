@@ -80,7 +80,8 @@ void PlacedSubmap::place_leaves(const std::vector<bool>& is_thin) {
     T_W_G.push_back(in_units(T_W_G_at(time / 255.0), resolution_m_, submap_resolution_m_));
   }
   LeafPlacer placer(T_W_G, &leaves_);
-  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves());
+  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves(),
+                  field_->num_blocks());
   for (std::size_t i = 0; i < field_->num_blocks(); ++i) {
     const Index3& block_G = field_->block_index(i);
     bool is_entered = false;

@@ -18,6 +18,9 @@ using geometry::Vec3;
 
 constexpr double kMaxIndex = 1073741824.0;  // 2^30: beyond it voxel indices would overflow
 
+constexpr double kFinest_m = 1e-3;  // as in files: beyond, distances in voxels are no numbers any more
+constexpr double kCoarsest_m = 1e3;
+
 struct Trilinear {
   double value;
   Vec3 gradient;
@@ -43,8 +46,8 @@ Trilinear interpolate(const std::array<float, 8>& c, const Vec3& t) {
 }
 
 void check_frame(double resolution_m, const geometry::Pose& T_S_G) {
-  if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
-    throw std::invalid_argument("resolution_m must be positive");
+  if (!(resolution_m >= kFinest_m && resolution_m <= kCoarsest_m))
+    throw std::invalid_argument("resolution_m must be from 0.001 to 1000");
   if (!geometry::is_valid(T_S_G)) throw std::invalid_argument("T_S_G must be a finite rigid transform");
 }
 

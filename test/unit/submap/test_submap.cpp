@@ -160,6 +160,17 @@ TEST(Submap, EmptyContentIsUnobservedEverywhere) {
   EXPECT_TRUE(field->surface_points().empty());
 }
 
+TEST(Submap, ContentThatCannotBeCountedIsRefused) {
+  auto content = test::random_content(1, 8, 0.1, 0.1, kVoxel);
+  content.blocks.back().index.x = -1174405121;  // its voxels overflow 32 bits
+  EXPECT_THROW(make(content), std::invalid_argument);
+  for (const double resolution_m : {0.0, -0.4, 1e-300, 1e300, std::nan("")}) {
+    content = test::random_content(1, 8, 0.1, 0.1, kVoxel);
+    content.resolution_m = resolution_m;
+    EXPECT_THROW(make(content), std::invalid_argument) << resolution_m;
+  }
+}
+
 TEST(Submap, FrameChangeMovesTheFieldRigidly) {
   const auto content = test::random_content(3, 24, 0.03, 0.1, kVoxel);
   const Pose T_S_G = geometry::from_position_yaw({3.0, -200.0, 7.0}, 0.7);
