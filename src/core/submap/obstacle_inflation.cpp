@@ -17,13 +17,15 @@ using namespace base::lanes;  // NOLINT: the vector types of this file
 
 constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
 
-/// Bits low to high of each lane, none when low > high; from 0 to 30, where low may be one more.
+/// Bits low to high of each lane, none when low > high; from 0 to 30, where low is high + 1 at most and not 31.
 template <bool kIsWide>
 VOXNAV_INLINE Words bits_from_to(Ints low, Ints high) {
   if (kIsWide) return (~Words{} << reinterpret_cast<Words>(low)) & ~((~Words{} - 1u) << reinterpret_cast<Words>(high));
   // Older processors cannot shift lanes by different amounts: powers of two by way of the exponent of floats.
-  const auto power = [](Ints k) { return truncated(reinterpret_cast<Floats>((k + 127) << 23)); };
-  return reinterpret_cast<Words>(2 * power(high) - power(low));
+  const auto power = [](Ints k) {
+    return reinterpret_cast<Words>(truncated(reinterpret_cast<Floats>((k + 127) << 23)));
+  };
+  return 2u * power(high) - power(low);
 }
 
 /// Of eight columns the voxels from ceil(z - h) to floor(z + h), h^2 = rest - dx^2.
