@@ -11,9 +11,9 @@
 #include <string>
 
 #include "forest_flight.hpp"
+#include "submap/own_surface.hpp"
 #include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
-#include "voxnav/submap/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
 using geometry::Pose;

@@ -16,7 +16,7 @@ FORBIDDEN = {("graph", "submap"), ("submap", "graph"), ("planning", "occupancy")
              ("planning", "graph"), ("planning", "odometry"), ("odometry", "submap"), ("odometry", "graph"),
              ("submap", "odometry"), ("graph", "odometry"), ("graph", "occupancy"), ("odometry", "occupancy")}
 ROS_HEADER = re.compile(r'#include\s+[<"](ros|nodelet|tf2|tf2_ros|pluginlib|rosbag|\w+_msgs|voxnav_ros)/')
-OWN_HEADER = re.compile(r'#include\s+"voxnav/(\w+)/')
+OWN_HEADER = re.compile(r'#include\s+"(?:voxnav/)?(%s)/' % "|".join(FLOORS))
 
 
 def git_files(*patterns):

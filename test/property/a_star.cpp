@@ -9,7 +9,7 @@
 #include <set>
 
 #include "box_grid.hpp"
-#include "voxnav/planning/segment_box.hpp"
+#include "planning/segment_box.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

@@ -4,8 +4,8 @@
 
 #include <limits>
 
+#include "occupancy/segment_distance.hpp"
 #include "scan_maker.hpp"
-#include "voxnav/occupancy/segment_distance.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "base/processor.hpp"
 #include "content_builder.hpp"
-#include "voxnav/base/processor.hpp"
-#include "voxnav/submap/distance_block.hpp"
+#include "submap/distance_block.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test

@@ -10,9 +10,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
 #include "old_submap_bytes.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"

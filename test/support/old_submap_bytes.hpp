@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "voxnav/base/bytes.hpp"
+#include "base/bytes.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 #include "voxnav/submap/submap_config.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "graph/pose4.hpp"
 #include "voxnav/graph/graph_config.hpp"
-#include "voxnav/graph/pose4.hpp"
 
 namespace voxnav::geometry {
 class DistanceField;

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "voxnav/base/worker_pool.hpp"
+#include "base/worker_pool.hpp"
+#include "occupancy/block_update.hpp"
+#include "occupancy/block_window.hpp"
+#include "occupancy/ray_marks.hpp"
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/geometry/aabb.hpp"
-#include "voxnav/occupancy/block_update.hpp"
-#include "voxnav/occupancy/block_window.hpp"
 #include "voxnav/occupancy/map_content.hpp"
-#include "voxnav/occupancy/ray_marks.hpp"
 
 namespace voxnav::occupancy {
 

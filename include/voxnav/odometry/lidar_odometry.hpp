@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "voxnav/odometry/imu_buffer.hpp"
+#include "odometry/imu_buffer.hpp"
+#include "odometry/localizability.hpp"
+#include "odometry/point_map.hpp"
+#include "odometry/registration.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
-#include "voxnav/odometry/localizability.hpp"
-#include "voxnav/odometry/point_map.hpp"
-#include "voxnav/odometry/registration.hpp"
 
 namespace voxnav::odometry {
 

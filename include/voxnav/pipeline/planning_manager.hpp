@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "voxnav/pipeline/plan_job.hpp"
-#include "voxnav/pipeline/planning_action.hpp"
-#include "voxnav/pipeline/planning_inputs.hpp"
+#include "pipeline/plan_job.hpp"
+#include "pipeline/planning_action.hpp"
+#include "pipeline/planning_inputs.hpp"
 
 namespace voxnav::pipeline {
 

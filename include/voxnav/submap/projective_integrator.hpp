@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "submap/voxel_table.hpp"
 #include "voxnav/submap/submap.hpp"
-#include "voxnav/submap/voxel_table.hpp"
 
 namespace voxnav::submap {
 

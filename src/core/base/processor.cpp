@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/base/processor.hpp"
+#include "base/processor.hpp"
 
 namespace voxnav::base {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/base/worker_pool.hpp"
+#include "base/worker_pool.hpp"
 
 namespace voxnav::base {
 

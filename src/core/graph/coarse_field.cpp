@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/coarse_field.hpp"
+#include "graph/coarse_field.hpp"
 
 #include <algorithm>
 #include <cmath>

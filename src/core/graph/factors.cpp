@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/factors.hpp"
+#include "graph/factors.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/g2o.hpp"
+#include "graph/g2o.hpp"
 
 #include <cmath>
 #include <limits>

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "graph/factors.hpp"
+#include "graph/pair_registration.hpp"
+#include "graph/place.hpp"
 #include "voxnav/geometry/voxel.hpp"
-#include "voxnav/graph/factors.hpp"
-#include "voxnav/graph/pair_registration.hpp"
-#include "voxnav/graph/place.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 
 /// What the parts of the optimiser share. Private to the floor.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/pair_registration.hpp"
+#include "graph/pair_registration.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

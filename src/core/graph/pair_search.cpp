@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voxnav/graph/pair_registration.hpp"
+#include "graph/pair_registration.hpp"
 
 namespace voxnav::graph {
 namespace {

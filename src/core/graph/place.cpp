@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/place.hpp"
+#include "graph/place.hpp"
 
 #include <algorithm>
 #include <array>

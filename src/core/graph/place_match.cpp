@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "voxnav/graph/place.hpp"
+#include "graph/place.hpp"
 
 namespace voxnav::graph {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/pose4.hpp"
+#include "graph/pose4.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

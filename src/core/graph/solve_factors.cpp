@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
+#include "graph/ceres_compat.hpp"
 #include "graph_state.hpp"
-#include "voxnav/graph/ceres_compat.hpp"
 
 namespace voxnav::graph {
 namespace {

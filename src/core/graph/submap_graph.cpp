@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "graph/g2o.hpp"
 #include "graph_state.hpp"
-#include "voxnav/graph/g2o.hpp"
 
 namespace voxnav::graph {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/surface_sample.hpp"
+#include "graph/surface_sample.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
+#include "graph/coarse_field.hpp"
 #include "voxnav/geometry/voxel.hpp"
-#include "voxnav/graph/coarse_field.hpp"
 
 namespace voxnav::graph {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/beam_image.hpp"
+#include "occupancy/beam_image.hpp"
 
 #include <limits>
 
+#include "base/lanes.hpp"
 #include "point_batch.hpp"
-#include "voxnav/base/lanes.hpp"
 
 namespace voxnav::occupancy {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/block_update.hpp"
+#include "occupancy/block_update.hpp"
 
 #include <algorithm>
 
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {

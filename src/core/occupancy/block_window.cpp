@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/block_window.hpp"
+#include "occupancy/block_window.hpp"
 
 #include <cstdlib>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/end_voxels.hpp"
+#include "occupancy/end_voxels.hpp"
 
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "voxnav/occupancy/block_update.hpp"
+#include "occupancy/block_update.hpp"
 
 namespace voxnav::occupancy {
 namespace {

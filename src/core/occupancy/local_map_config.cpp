@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "voxnav/occupancy/octree_block.hpp"
+#include "occupancy/octree_block.hpp"
 
 namespace voxnav::occupancy {
 namespace {

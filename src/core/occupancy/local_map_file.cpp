@@ -4,8 +4,8 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "voxnav/base/bytes.hpp"
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "base/bytes.hpp"
+#include "occupancy/byte_ops.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 namespace voxnav::occupancy {

@@ -4,9 +4,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "occupancy/octree_search.hpp"
+#include "occupancy/segment_distance.hpp"
 #include "voxnav/occupancy/local_map.hpp"
-#include "voxnav/occupancy/octree_search.hpp"
-#include "voxnav/occupancy/segment_distance.hpp"
 
 namespace voxnav::occupancy {
 namespace {

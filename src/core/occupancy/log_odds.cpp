@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/log_odds.hpp"
+#include "occupancy/log_odds.hpp"
 
 #include <algorithm>
 #include <cmath>

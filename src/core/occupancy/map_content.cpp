@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "voxnav/base/bytes.hpp"
+#include "base/bytes.hpp"
 
 namespace voxnav::occupancy {
 namespace {

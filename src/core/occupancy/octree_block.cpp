@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/octree_block.hpp"
+#include "occupancy/octree_block.hpp"
 
 #include <algorithm>
 
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "voxnav/base/processor.hpp"
+#include "base/processor.hpp"
 
 namespace voxnav::occupancy {
 

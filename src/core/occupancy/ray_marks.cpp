@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/ray_marks.hpp"
+#include "occupancy/ray_marks.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
 
+#include "base/lanes.hpp"
+#include "occupancy/byte_ops.hpp"
 #include "ray_walk.hpp"
-#include "voxnav/base/lanes.hpp"
-#include "voxnav/occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "voxnav/base/lanes.hpp"
+#include "base/lanes.hpp"
 
 // Eight rays at once. No branch depends on a single ray: where it changes voxel next, nobody could predict.
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/scan_part.hpp"
+#include "occupancy/scan_part.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "base/lanes.hpp"
 #include "point_batch.hpp"
-#include "voxnav/base/lanes.hpp"
 
 namespace voxnav::occupancy {
 namespace {

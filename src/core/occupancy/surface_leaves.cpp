@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/surface_leaves.hpp"
+#include "occupancy/surface_leaves.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 
-#include "voxnav/base/lanes.hpp"
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "base/lanes.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 

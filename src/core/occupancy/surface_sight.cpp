@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/occupancy/surface_sight.hpp"
+#include "occupancy/surface_sight.hpp"
 
 #include <cstring>
 
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 

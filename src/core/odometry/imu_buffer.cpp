@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/odometry/imu_buffer.hpp"
+#include "odometry/imu_buffer.hpp"
 
 #include <algorithm>
 #include <cmath>

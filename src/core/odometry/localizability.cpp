@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/odometry/localizability.hpp"
+#include "odometry/localizability.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/odometry/point_map.hpp"
+#include "odometry/point_map.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

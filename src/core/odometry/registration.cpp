@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/odometry/registration.hpp"
+#include "odometry/registration.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/odometry/imu_buffer.hpp"
+#include "odometry/imu_buffer.hpp"
 
 namespace voxnav::odometry {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/odometry/point_map.hpp"
+#include "odometry/point_map.hpp"
 
 namespace voxnav::odometry {
 

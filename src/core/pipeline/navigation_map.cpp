@@ -3,7 +3,7 @@
 
 #include <stdexcept>
 
-#include "voxnav/pipeline/navigation_view.hpp"
+#include "pipeline/navigation_view.hpp"
 
 namespace voxnav::pipeline {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/navigation_view.hpp"
+#include "pipeline/navigation_view.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/planning_inputs.hpp"
+#include "pipeline/planning_inputs.hpp"
 
 #include <algorithm>
 

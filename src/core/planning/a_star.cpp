@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/planning/search.hpp"
-#include "voxnav/planning/simplify.hpp"
+#include "planning/search.hpp"
+#include "planning/simplify.hpp"
 
 namespace voxnav::planning {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/cell_costs.hpp"
+#include "planning/cell_costs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <queue>
 
-#include "voxnav/planning/search.hpp"
+#include "planning/search.hpp"
 
 namespace voxnav::planning {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/planning/segment_box.hpp"
+#include "planning/segment_box.hpp"
 
 namespace voxnav::planning {
 namespace {

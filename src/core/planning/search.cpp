@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/search.hpp"
+#include "planning/search.hpp"
 
 #include <algorithm>
 #include <cmath>

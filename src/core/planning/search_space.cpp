@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/search_space.hpp"
+#include "planning/search_space.hpp"
 
 namespace voxnav::planning {
 namespace {

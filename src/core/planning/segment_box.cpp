@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/segment_box.hpp"
+#include "planning/segment_box.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/simplify.hpp"
+#include "planning/simplify.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
+#include "planning/segment_box.hpp"
 #include "voxnav/planning/corridor.hpp"
-#include "voxnav/planning/segment_box.hpp"
 
 namespace voxnav::planning {
 namespace {

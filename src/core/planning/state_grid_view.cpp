@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/planning/state_grid_view.hpp"
 
-#include "voxnav/base/check.hpp"
+#include "base/check.hpp"
 
 namespace voxnav::planning {
 

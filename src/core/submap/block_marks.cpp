@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/block_marks.hpp"
+#include "submap/block_marks.hpp"
 
 #include <algorithm>
 

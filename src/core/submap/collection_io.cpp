@@ -5,8 +5,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/bytes.hpp"
 #include "map_files.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav::submap {

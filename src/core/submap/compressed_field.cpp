@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/compressed_field.hpp"
+#include "submap/compressed_field.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "base/check.hpp"
 #include "cell_bits.hpp"
-#include "voxnav/base/check.hpp"
-#include "voxnav/submap/compressed_field.hpp"
+#include "submap/compressed_field.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell_bits.hpp"
-#include "voxnav/submap/compressed_field.hpp"
+#include "submap/compressed_field.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fields as versions 2 to 4 of submaps kept them: a code per cell, two bits per voxel, every own leaf.
 #include "cell_bits.hpp"
-#include "voxnav/submap/compressed_field.hpp"
+#include "submap/compressed_field.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -2,7 +2,7 @@
 // What a submap saw itself, beside all that its local map remembered.
 #include <algorithm>
 
-#include "voxnav/submap/compressed_field.hpp"
+#include "submap/compressed_field.hpp"
 
 namespace voxnav::submap {
 void CompressedField::add_leaf(const Leaf& leaf, const Leaf& own, std::uint8_t own_time) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/distance_block.hpp"
+#include "submap/distance_block.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "voxnav/submap/field_window.hpp"
+#include "submap/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/distance_cache.hpp"
+#include "submap/distance_cache.hpp"
 
 #include <deque>
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/evidence_map.hpp"
+#include "submap/evidence_map.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/field_window.hpp"
+#include "submap/field_window.hpp"
 
 #include <algorithm>
 
-#include "voxnav/occupancy/byte_ops.hpp"
+#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::submap {
 namespace {

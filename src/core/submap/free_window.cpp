@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/free_window.hpp"
+#include "submap/free_window.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/base/lanes.hpp"
-#include "voxnav/submap/voxel_walk.hpp"
+#include "base/lanes.hpp"
+#include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "voxnav/base/lanes.hpp"
-#include "voxnav/occupancy/byte_ops.hpp"
-#include "voxnav/submap/field_window.hpp"
+#include "base/lanes.hpp"
+#include "occupancy/byte_ops.hpp"
+#include "submap/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {

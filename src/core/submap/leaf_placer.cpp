@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/submap/voxel_walk.hpp"
+#include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 

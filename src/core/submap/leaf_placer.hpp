@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxnav/submap/placed_leaves.hpp"
+#include "submap/placed_leaves.hpp"
 
 namespace voxnav::submap {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/obstacle_inflation.hpp"
+#include "submap/obstacle_inflation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "voxnav/base/lanes.hpp"
+#include "base/lanes.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/obstacle_map.hpp"
+#include "submap/obstacle_map.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 
-#include "voxnav/submap/block_marks.hpp"
-#include "voxnav/submap/obstacle_inflation.hpp"
+#include "submap/block_marks.hpp"
+#include "submap/obstacle_inflation.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/own_surface.hpp"
+#include "submap/own_surface.hpp"
 
 #include <cmath>
 
-#include "voxnav/submap/seen_side.hpp"
+#include "submap/seen_side.hpp"
 
 namespace voxnav::submap {
 namespace {

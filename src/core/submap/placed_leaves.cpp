@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/placed_leaves.hpp"
+#include "submap/placed_leaves.hpp"
 
 #include <algorithm>
 #include <cmath>

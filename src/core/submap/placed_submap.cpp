@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/placed_submap.hpp"
+#include "submap/placed_submap.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "leaf_placer.hpp"
-#include "voxnav/submap/block_marks.hpp"
-#include "voxnav/submap/voxel_walk.hpp"
+#include "submap/block_marks.hpp"
+#include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 namespace {

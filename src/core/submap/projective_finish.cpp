@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "voxnav/submap/field_window.hpp"
+#include "submap/field_window.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 
 namespace voxnav::submap {

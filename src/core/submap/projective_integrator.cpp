@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "voxnav/submap/voxel_walk.hpp"
+#include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 namespace {

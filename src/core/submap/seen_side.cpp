@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/seen_side.hpp"
+#include "submap/seen_side.hpp"
 
 #include <memory>
 
-#include "voxnav/submap/field_window.hpp"
+#include "submap/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {

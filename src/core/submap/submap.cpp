@@ -5,9 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "voxnav/submap/surface_sampling.hpp"
-#include "voxnav/submap/thin_leaves.hpp"
-#include "voxnav/submap/voxel_walk.hpp"
+#include "submap/surface_sampling.hpp"
+#include "submap/thin_leaves.hpp"
+#include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 namespace {

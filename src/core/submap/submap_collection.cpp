@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "voxnav/submap/block_marks.hpp"
+#include "submap/block_marks.hpp"
 
 namespace voxnav::submap {
 namespace {

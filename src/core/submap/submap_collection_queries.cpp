@@ -3,8 +3,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "submap/voxel_walk.hpp"
 #include "voxnav/submap/submap_collection.hpp"
-#include "voxnav/submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "voxnav/base/bytes.hpp"
+#include "base/bytes.hpp"
 #include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {

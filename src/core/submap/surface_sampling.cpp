@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/surface_sampling.hpp"
+#include "submap/surface_sampling.hpp"
 
 #include <algorithm>
 #include <array>
 #include <memory>
 
-#include "voxnav/submap/field_window.hpp"
+#include "submap/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {

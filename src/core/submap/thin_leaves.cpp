@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/thin_leaves.hpp"
+#include "submap/thin_leaves.hpp"
 
 #include <memory>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/base/bytes.hpp"
+#include "base/bytes.hpp"
 
 using voxnav::base::ByteReader;
 using voxnav::base::ByteWriter;

@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "voxnav/base/worker_pool.hpp"
+#include "base/worker_pool.hpp"
 
 using voxnav::base::Share;
 using voxnav::base::share_of;

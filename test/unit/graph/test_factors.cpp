@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "voxnav/graph/factors.hpp"
+#include "graph/factors.hpp"
 
 using namespace voxnav::graph;  // NOLINT: test
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/graph/g2o.hpp"
+#include "graph/g2o.hpp"
 
 using namespace voxnav::graph;  // NOLINT: test
 

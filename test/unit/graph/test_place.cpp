@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "graph/place.hpp"
 #include "grid_field.hpp"
-#include "voxnav/graph/place.hpp"
 
 using namespace voxnav::graph;         // NOLINT: test
 using namespace voxnav::test_support;  // NOLINT: test

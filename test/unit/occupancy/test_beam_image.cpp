@@ -4,8 +4,8 @@
 #include <random>
 #include <set>
 
+#include "occupancy/beam_image.hpp"
 #include "voxnav/geometry/pose.hpp"
-#include "voxnav/occupancy/beam_image.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Vec3f;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "base/bytes.hpp"
 #include "scan_maker.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test

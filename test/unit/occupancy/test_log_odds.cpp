@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "voxnav/occupancy/byte_ops.hpp"
-#include "voxnav/occupancy/log_odds.hpp"
+#include "occupancy/byte_ops.hpp"
+#include "occupancy/log_odds.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using occupancy::LocalMapConfig;

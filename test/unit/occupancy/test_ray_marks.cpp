@@ -4,9 +4,9 @@
 #include <random>
 #include <set>
 
+#include "base/processor.hpp"
+#include "occupancy/ray_marks.hpp"
 #include "scan_maker.hpp"
-#include "voxnav/base/processor.hpp"
-#include "voxnav/occupancy/ray_marks.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Index3;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "voxnav/odometry/imu_buffer.hpp"
+#include "odometry/imu_buffer.hpp"
 
 namespace {
 

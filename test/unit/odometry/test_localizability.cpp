@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "voxnav/odometry/localizability.hpp"
+#include "odometry/localizability.hpp"
 
 namespace {
 

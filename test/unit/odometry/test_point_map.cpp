@@ -4,7 +4,7 @@
 #include <limits>
 #include <random>
 
-#include "voxnav/odometry/point_map.hpp"
+#include "odometry/point_map.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "box_grid.hpp"
+#include "planning/segment_box.hpp"
 #include "voxnav/planning/corridor.hpp"
-#include "voxnav/planning/segment_box.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::State;

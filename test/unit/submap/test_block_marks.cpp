@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "voxnav/submap/block_marks.hpp"
+#include "submap/block_marks.hpp"
 
 using voxnav::geometry::Index3;
 

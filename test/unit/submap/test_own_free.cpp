@@ -2,8 +2,8 @@
 // Free space that a submap saw itself, beside what is only remembered, in its compressed form.
 #include <gtest/gtest.h>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
 #include "old_submap_bytes.hpp"
-#include "voxnav/base/bytes.hpp"
-#include "voxnav/submap/own_surface.hpp"
+#include "submap/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;

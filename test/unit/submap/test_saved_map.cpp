@@ -6,8 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "voxnav/base/bytes.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test

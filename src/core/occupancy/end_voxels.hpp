@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "occupancy/scan_part.hpp"
+#include "occupancy/surface_leaves.hpp"
+
+namespace voxnav::occupancy {
+
+/// One voxel in which beams of the present scan ended.
+struct HitVoxel {
+  std::uint32_t slot;    ///< of the block in the window
+  std::uint16_t offset;  ///< in the block
+  PointSpread points;    ///< the end points
+};
+
+/// Sorts the beams of one scan into their end voxels, so that each voxel is hit once and one ray is cast for it.
+/// Coordinates are voxel edges from the corner of the window.
+class EndVoxels {
+ public:
+  explicit EndVoxels(std::array<int, 3> num_blocks);
+
+  void clear();
+  /// The part's runs and the beams that went on; of those the first one in a voxel is kept. The part must stay until
+  /// finish().
+  void add(const ScanPart& part);
+  /// Call once after the last add. Hits come grouped by block, in the order in which blocks were first hit.
+  void finish();
+
+  const std::vector<HitVoxel>& hits() const { return hits_; }
+  /// Where rays end: at the mean of each hit voxel's points, in the order of hits(), and where beams went on.
+  const std::vector<geometry::Vec3f>& rays() const { return rays_; }
+  /// One more ray that hits nothing.
+  void add_ray(const geometry::Vec3f& end) { rays_.push_back(end); }
+  /// Null when nothing ended in the block.
+  const VoxelBits* hit_bits(std::uint32_t slot) const {
+    return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits;
+  }
+  struct Range {
+    std::size_t begin;
+    std::size_t end;
+  };
+  /// Where the hits of a block lie in hits(); may be empty.
+  Range range(std::uint32_t slot) const;
+  /// Widens a box of blocks (from the window's corner) to hold all ends.
+  void widen(geometry::Index3* low, geometry::Index3* high) const;
+  std::size_t memory_bytes() const;
+
+ private:
+  struct Block {
+    std::uint32_t slot = 0;
+    std::uint32_t first_hit = 0;
+    VoxelBits hits{};
+    VoxelBits clearing{};
+    std::array<std::uint16_t, 64> hits_before{};
+  };
+  struct Address {
+    std::uint32_t block;  ///< in blocks_
+    std::uint32_t offset;
+  };
+  static PointSpread spread_of(const PointSum& sum);
+  Address address_of(const geometry::Index3& voxel);
+  void add_clearing(const geometry::Vec3f& end);
+  std::size_t count_hits();
+  void finish_block(const Block& block);
+  geometry::Index3 block_of_slot(std::uint32_t slot) const;
+
+  std::array<int, 3> num_blocks_;
+  std::vector<std::int32_t> index_;  ///< of a slot in blocks_, -1 = none
+  std::vector<Block> blocks_;
+  std::vector<const ScanPart*> parts_;
+  std::vector<Address> addresses_;  ///< of all runs of all parts
+  std::vector<PointSum> sums_;
+  std::vector<HitVoxel> hits_;
+  std::vector<geometry::Vec3f> clearing_ends_;
+  std::vector<geometry::Vec3f> rays_;
+};
+
+}  // namespace voxnav::occupancy

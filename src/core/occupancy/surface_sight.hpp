@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/lanes.hpp"
+#include "occupancy/beam_image.hpp"
+#include "occupancy/scan_part.hpp"
+#include "occupancy/surface_leaves.hpp"
+
+namespace voxnav::occupancy {
+
+/// When a beam that crosses a voxel with hits counts against it (see LocalMapConfig).
+struct MissGuard {
+  float sigmas = 2.0f;
+  float spread_voxels = 0.05f;
+  float end_voxels = 1.5f;
+  int octants = 8;
+  int patience = 8;
+};
+
+/// Decides whether the beams of a scan saw through the surface in a voxel: past a thin pole in the same voxel they say
+/// nothing about it, and grazing the ground they say nothing about the ground.
+class SurfaceSight {
+ public:
+  SurfaceSight(const BeamImage& beams, const ScanFrame& frame, float resolution_m, const MissGuard& guard);
+  /// Which of the `asked` voxels of a block, which must have leaves, the scan refutes; notes in the leaves what it saw.
+  /// @param first_voxel  of the block, window coordinates
+  VoxelBits refuted(const geometry::Index3& first_voxel, const VoxelBits& asked, SurfaceLeaves* leaves) const;
+
+ private:
+  struct Group;
+  struct Beams;
+  // `first_center`: of the block's first voxel, from the sensor along the window's axes, voxel edges.
+  void look(const geometry::Vec3f& first_center, Group* group) const;
+  void look_plain(const geometry::Vec3f& first_center, Group* group) const;
+  void look_wide(const geometry::Vec3f& first_center, Group* group) const;
+  void ask(const Group& group, const geometry::Vec3f& first_center, Beams* beams, base::lanes::Ints* octants) const;
+  void judge(const geometry::Vec3f& first_center, Group* group, VoxelBits* out) const;
+
+  const BeamImage& beams_;
+  geometry::Vec3f origin_;
+  Eigen::Matrix3f rotation_;  ///< metres of frame L to voxel edges along the window's axes
+  float resolution_m_;
+  float longest_;  ///< beam, voxel edges
+  MissGuard guard_;
+};
+
+}  // namespace voxnav::occupancy
