@@ -40,6 +40,18 @@ def test_arguments_of_mrs_users():
     assert any(pair[1].endswith("velodyne_points") for pair in remaps)
 
 
+@pytest.mark.parametrize("run_type", [None, "", "realworld", "uav", "Simulation", "simulation"])
+def test_time_is_simulated_only_where_run_type_says_simulation(run_type, monkeypatch):
+    monkeypatch.delenv("RUN_TYPE", raising=False)
+    if run_type is not None:
+        monkeypatch.setenv("RUN_TYPE", run_type)
+    params = loaded("voxnav").params
+    if run_type == "simulation":
+        assert params["/use_sim_time"].value is True
+    else:
+        assert "/use_sim_time" not in params
+
+
 def test_a_custom_configuration_wins(tmp_path):
     path = str(tmp_path / "own.yaml")
     with open(path, "w") as out:

@@ -13,70 +13,20 @@ from voxnav.offline.cli import main
 from voxnav.offline.datasets import interpolate_pose
 
 simulation = pytest.importorskip("voxnav.simulation")
-rosbag = pytest.importorskip("rosbag")
+pytest.importorskip("rosbag")
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-SPEED_MPS, YAW_RATE_RADPS, SWEEP_S = 2.0, 0.3, 0.1
-MOUNT = simulation.pose(0.1, 0.0, 0.15)
-NUM_SCANS = 16
-
-
-def body_pose(t):
-    return simulation.pose(SPEED_MPS * t, 0.0, 2.0, YAW_RATE_RADPS * t)
+from recordings import MOUNT, NUM_SCANS, SWEEP_S, body_pose, sweeps, write_bag  # noqa: E402
 
 
 @pytest.fixture(scope="module")
 def scans():
-    """Organised scans (h, w, 4) with column times (w,), of a sensor that moves while it turns."""
-    world = simulation.World(os.path.join(ROOT, "worlds", "grove.yaml"), seed=2)
-    lidar = simulation.Lidar(model="os0-32", columns=256, dropout_ratio=0.0)
-    return world, [lidar.scan(world, body_pose(t) @ MOUNT, body_pose(t + SWEEP_S) @ MOUNT, scan_index=i)
-                   for i, t in enumerate(1.0 + SWEEP_S * np.arange(NUM_SCANS))]
-
-
-def cloud_message(scan, stamp):
-    import rospy
-    from sensor_msgs.msg import PointCloud2, PointField
-
-    height, width = scan.ranges_m.shape
-    rows = np.zeros((height, width), dtype=[("xyzi", "<f4", 4), ("t", "<u4")])
-    rows["xyzi"] = scan.organised
-    rows["t"] = np.round(scan.column_times_s * 1e9).astype(np.uint32)[None, :]
-    msg = PointCloud2(height=height, width=width, point_step=20, row_step=20 * width, data=rows.tobytes())
-    msg.fields = [PointField(n, 4 * i, 7, 1) for i, n in enumerate(("x", "y", "z", "intensity"))]
-    msg.fields.append(PointField("t", 16, 6, 1))
-    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp), "lidar"
-    return msg
-
-
-def set_pose(pose, T):
-    position = pose.position if hasattr(pose, "position") else pose.translation
-    orientation = pose.orientation if hasattr(pose, "orientation") else pose.rotation
-    position.x, position.y, position.z = T[:3, 3]
-    orientation.x, orientation.y, orientation.z, orientation.w = files.quaternion_from_rotation(T[:3, :3])
+    return sweeps()
 
 
 @pytest.fixture(scope="module")
 def bag(scans, tmp_path_factory):
-    import rospy
-    from geometry_msgs.msg import TransformStamped
-    from nav_msgs.msg import Odometry
-    from tf2_msgs.msg import TFMessage
-
     path = str(tmp_path_factory.mktemp("bag") / "flight.bag")
-    with rosbag.Bag(path, "w", chunk_threshold=100000) as out:
-        mount = TransformStamped(child_frame_id="lidar")
-        mount.header.frame_id = "body"
-        set_pose(mount.transform, MOUNT)
-        out.write("/tf_static", TFMessage([mount]), rospy.Time.from_sec(0.9))
-        for i, t in enumerate(np.arange(0.9, 1.2 + SWEEP_S * NUM_SCANS, 0.02)):
-            odometry = Odometry(child_frame_id="body")
-            odometry.header.stamp, odometry.header.frame_id = rospy.Time.from_sec(t), "odom"
-            set_pose(odometry.pose.pose, body_pose(t))
-            out.write("/odom", odometry, rospy.Time.from_sec(t))
-        for i, scan in enumerate(scans[1]):
-            stamp = 1.0 + SWEEP_S * i
-            out.write("/points", cloud_message(scan, stamp), rospy.Time.from_sec(stamp + SWEEP_S))
+    write_bag(path, scans[1])
     return path
 
 

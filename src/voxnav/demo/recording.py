@@ -45,6 +45,13 @@ def _reference(args):
     return stamps, poses[:, :3, 3]
 
 
+def mount_argument(T_B_L):
+    """The launch argument sensor_mount: x y z qx qy qz qw of T_B_L (4, 4); None is the body's own place."""
+    if T_B_L is None:
+        return "0 0 0 0 0 0 1"
+    return " ".join("%.9f" % value for value in (*T_B_L[:3, 3], *files.quaternion_from_rotation(T_B_L[:3, :3])))
+
+
 def main(argv=None):
     args = arguments(argv)
     os.environ["ROS_NAMESPACE"] = "/uav1"  # rospy reads it when imported, which opening a bag does
@@ -62,7 +69,8 @@ def main(argv=None):
         args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
     rviz = None
     processes.end_cleanly_when_terminated()
-    launched, env = processes.launch("bag.launch", {"odometry": "external" if has_poses else "lidar"}, log)
+    launch_args = {"odometry": "external" if has_poses else "lidar", "sensor_mount": mount_argument(T_B_L)}
+    launched, env = processes.launch("bag.launch", launch_args, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
         from voxnav.nodes import mapping_mission  # not before: it imports rospy

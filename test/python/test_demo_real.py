@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``make demo-real``: a small recording through the real nodes, whose map lies where the world is."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+pytest.importorskip("voxnav.simulation")
+pytest.importorskip("rosbag")
+pytest.importorskip("roslaunch")
+
+import voxnav  # noqa: E402
+from recordings import ROOT, body_pose, sweeps, write_bag  # noqa: E402
+from voxnav import simulation  # noqa: E402
+from voxnav.demo.recording import mount_argument  # noqa: E402
+from voxnav.offline.cli import rotation_from_rpy  # noqa: E402
+
+# Half a metre off the body and turned about every axis: a demonstration that forgets the mount misses the ground.
+MOUNT = np.eye(4)
+MOUNT[:3, :3] = rotation_from_rpy(np.array([0.1, 0.3, 1.2]))
+MOUNT[:3, 3] = (0.3, -0.2, 0.4)
+
+
+def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(tmp_path):
+    world, scans = sweeps(MOUNT)
+    bag, out = str(tmp_path / "flight.bag"), str(tmp_path / "out")
+    write_bag(bag, scans, MOUNT)
+    command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", bag, "--out", out, "--no-rviz"]
+    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                         timeout=300)
+    with open(os.path.join(out, "roslaunch.log")) as log:
+        assert run.returncode == 0, run.stdout + log.read()
+    with open(os.path.join(out, "summary.json")) as source:
+        summary = json.load(source)
+    assert summary["reached"] and summary["reason"] == "%d of %d scans" % (len(scans), len(scans))
+    assert os.path.exists(os.path.join(out, "top_view.png"))
+    points = voxnav.SubmapCollection.load(os.path.join(out, "map")).occupied_points()
+    distances = world.surface_distance(points.astype(np.float64))
+    assert len(points) > 100
+    assert np.mean(distances < 0.2) > 0.95  # half a voxel
+    assert summary["path_length_m"] == pytest.approx(
+        np.linalg.norm(body_pose(1.0 + 0.1 * (len(scans) - 1))[:3, 3] - body_pose(1.0)[:3, 3]), abs=0.5)
+
+
+def test_the_mount_is_handed_to_the_launch_file_as_position_and_quaternion():
+    values = [float(word) for word in mount_argument(simulation.pose(1.0, 2.0, 3.0, np.pi)).split()]
+    assert values == pytest.approx([1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0], abs=1e-6)
+    assert mount_argument(None) == mount_argument(np.eye(4)).replace(".000000000", "")
