@@ -61,6 +61,21 @@ double dijkstra(const containers::StateGrid& grid, const Index3& start, const In
   return std::numeric_limits<double>::infinity();
 }
 
+std::set<Index3> reachable(const containers::StateGrid& grid, const Index3& start) {
+  std::set<Index3> out = {start};
+  std::vector<Index3> open = {start};
+  while (!open.empty()) {
+    const Index3 voxel = open.back();
+    open.pop_back();
+    for (int move = 0; move < 27; ++move) {
+      const Index3 step{move % 3 - 1, move / 3 % 3 - 1, move / 9 - 1};
+      if (move == 13 || !is_clear(grid, voxel, step)) continue;
+      if (out.insert(voxel + step).second) open.push_back(voxel + step);
+    }
+  }
+  return out;
+}
+
 Index3 random_free(const containers::StateGrid& grid, std::mt19937* rng) {
   for (;;) {
     const auto coordinate = [&] { return static_cast<int>((*rng)() % kSide); };
@@ -100,6 +115,55 @@ TEST(AStarProperty, CostEqualsDijkstraOnRandomGrids) {
     }
   }
   EXPECT_GT(num_blocked, 2) << "the grids must also hold queries without a way";
+}
+
+TEST(AStarProperty, AWeightedSearchIsAtMostThatFactorDearer) {
+  for (const double weight : {1.0, 1.2, 2.0, 5.0}) {
+    planning::AStarConfig config;
+    config.safety_distance_m = 0.0;
+    config.timeout_s = 30.0;
+    config.heuristic_weight = weight;
+    const planning::AStarPlanner planner(config);
+    for (int seed = 200; seed < 240; ++seed) {
+      std::mt19937 rng(static_cast<unsigned>(seed));
+      const auto grid = random_grid(&rng, 10 + seed % 60);
+      const Index3 start = random_free(*grid, &rng), goal = random_free(*grid, &rng);
+      const double cheapest = dijkstra(*grid, start, goal);
+      const auto result =
+          planner.plan(planning::StateGridView(grid), geometry::center_of(start, 1.0), geometry::center_of(goal, 1.0));
+      if (!std::isfinite(cheapest)) continue;
+      ASSERT_EQ(result.status, planning::PlanStatus::kComplete) << "seed " << seed;
+      ASSERT_LE(result.cost_m, weight * cheapest + 1e-6) << "seed " << seed << ", weight " << weight;
+      ASSERT_GE(result.cost_m, cheapest - 1e-6) << "seed " << seed << ", weight " << weight;
+      ASSERT_NEAR(planning::length_of(result.path), result.cost_m, 1e-6) << "seed " << seed << ", weight " << weight;
+    }
+  }
+}
+
+TEST(AStarProperty, AWeightedSearchExpandsNoCellTwice) {
+  for (const double weight : {1.0, 1.5, 5.0}) {
+    for (int seed = 300; seed < 310; ++seed) {
+      std::mt19937 rng(static_cast<unsigned>(seed));
+      const auto grid = random_grid(&rng, 30);
+      // A shell around the goal, so that everything that can be reached is expanded.
+      const Index3 goal{kSide - 3, kSide - 3, kSide - 3};
+      for (int move = 0; move < 27; ++move) {
+        const Index3 step{move % 3 - 1, move / 3 % 3 - 1, move / 9 - 1};
+        grid->set(goal + step, move == 13 ? State::kFree : State::kOccupied);
+      }
+      grid->set({0, 0, 0}, State::kFree);
+      planning::AStarConfig config;
+      config.safety_distance_m = 0.0;
+      config.timeout_s = 30.0;
+      config.heuristic_weight = weight;
+      const auto result = planning::AStarPlanner(config).plan(planning::StateGridView(grid), Vec3::Constant(0.5),
+                                                              geometry::center_of(goal, 1.0));
+      ASSERT_TRUE(result.status == planning::PlanStatus::kPartialBlocked ||
+                  result.status == planning::PlanStatus::kNoPath)
+          << "seed " << seed;
+      ASSERT_EQ(result.expansions, reachable(*grid, {0, 0, 0}).size()) << "seed " << seed << ", weight " << weight;
+    }
+  }
 }
 
 TEST(AStarProperty, EveryEdgeKeepsTheSafetyDistanceFromEveryOccupiedVoxel) {

@@ -8,10 +8,12 @@
 namespace voxnav::planning {
 
 /// Bounded A* on the voxels of a view: 26 neighbours, no corner cutting, octile distance as heuristic, ties to the
-/// larger cost so far, lazy duplicates in the open list. Every search ends within the limits of its configuration
-/// and says why; a partial path leads to the expanded cell nearest to the goal.
+/// larger cost so far, lazy duplicates in the open list. Each cell is expanded at most once; the path is the cheapest
+/// with heuristic_weight 1, else at most that factor dearer. Every search ends within the limits of its
+/// configuration and says why; a partial path leads to the expanded cell nearest to the goal.
 /// Deterministic unless time runs out. A planner may be used from several threads.
-/// Source: Hart, Nilsson & Raphael 1968 (A*); Harabor & Grastien 2011, section 2 (octile metric, corner rule).
+/// Source: Hart, Nilsson & Raphael 1968 (A*); Harabor & Grastien 2011, section 2 (octile metric, corner rule);
+/// Likhachev, Gordon & Thrun 2003, section 2 (the bound holds although closed cells are not opened again).
 class AStarPlanner {
  public:
   /// @throws base::ConfigError

@@ -68,13 +68,17 @@ class AStarSearch {
       const Entry top = open_.back();
       open_.pop_back();
       SearchSpace::Block& block = space_.block(top.cell);
-      if (top.g != block.g[top.cell.offset] || (block.arrived_by[top.cell.offset] & SearchSpace::kClosed)) continue;
+      if (top.g != block.g[top.cell.offset] || is_closed(block, top.cell)) continue;
       block.arrived_by[top.cell.offset] |= SearchSpace::kClosed;
       ++outcome_.expansions;
       if (note_best(top.cell, top.g)) return SearchEnd::kGoal;
       expand(top.cell, top.g);
     }
     return space_.has_refused() ? SearchEnd::kLimit : SearchEnd::kExhausted;
+  }
+
+  static bool is_closed(const SearchSpace::Block& block, CellRef cell) {
+    return (block.arrived_by[cell.offset] & SearchSpace::kClosed) != 0;
   }
 
   /// True at the goal.
@@ -103,7 +107,10 @@ class AStarSearch {
       if (move == kNoMove || (enterable & step.touched) != step.touched) continue;
       const std::uint64_t next_g = g + kStepLength[step.num_axes] * (here + space_.cost(cells[move]));
       SearchSpace::Block& block = space_.block(cells[move]);
-      if (next_g >= block.g[cells[move].offset]) continue;
+      // A closed cell stays closed: with weight 1 it has its least cost already, because the octile distance is
+      // consistent, and with weight w at most w times that. Without the rule a weighted search may expand cells again
+      // and again. Source: Likhachev, Gordon & Thrun 2003 (ARA*), section 2.
+      if (next_g >= block.g[cells[move].offset] || is_closed(block, cells[move])) continue;
       block.g[cells[move].offset] = next_g;
       block.arrived_by[cells[move].offset] = static_cast<std::uint8_t>(move);
       push(cells[move], next_g);
@@ -126,8 +133,8 @@ class AStarSearch {
     return outcome_;
   }
 
-  /// Walks from the best cell to the start, the only cell no move led to. Costs of cells only ever fall, so
-  /// the walk cannot run in circles.
+  /// Walks from the best cell to the start, the only cell no move led to. Each cell was closed after the one that
+  /// led to it and keeps its move from then on, so the walk cannot run in circles.
   void trace_back() {
     CellRef cell = best_;
     for (;;) {
