@@ -91,7 +91,6 @@ class PlanningManager {
   // planning_flight.cpp: what is flown
   bool is_flying_trajectory(double now_s) const;
   double arc_now(double now_s) const;
-  double deceleration() const;
   double speed() const { return inputs_.vehicle->value.velocity_O.norm(); }
   std::optional<planning::Trajectory> safe_part(const planning::Trajectory& trajectory, double from_arc_m,
                                                 double radius_m, const View* view, std::string* problem) const;

@@ -43,6 +43,12 @@ class Trajectory {
   double dt_s_ = 0.0;
 };
 
+/// Deceleration that the limits allow all along a trajectory between two arc lengths. Level pieces brake by the
+/// horizontal limit, the others by what limits_along() leaves them; vertically the tighter limit counts, whichever the
+/// direction, because braking a climb is accelerating downwards. @param velocity a direction to allow for as well
+double braking_deceleration(const Trajectory& trajectory, double from_arc_m, double to_arc_m,
+                            const geometry::Vec3& velocity, const DynamicsLimits& limits);
+
 /// Way covered until standstill: reaction time at constant speed, then constant deceleration.
 double stopping_distance(double speed_mps, double deceleration_mps2, double reaction_s);
 

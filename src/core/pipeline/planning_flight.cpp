@@ -37,12 +37,6 @@ double PlanningManager::arc_now(double now_s) const {
   return flight_->trajectory.project(inputs_.vehicle->value.position_O, t - kBehind_s, t + kAhead_s);
 }
 
-double PlanningManager::deceleration() const {
-  const planning::DynamicsLimits& limits = inputs_.limits->value;
-  return config_.deceleration_ratio * std::min({limits.horizontal_acceleration_mps2, limits.ascending_acceleration_mps2,
-                                                limits.descending_acceleration_mps2});
-}
-
 std::vector<Vec3> PlanningManager::remaining_path(double now_s) const {
   if (!is_flying_trajectory(now_s) || !inputs_.vehicle) return {};
   return flight_->trajectory.points_from_arc(arc_now(now_s));
@@ -59,8 +53,11 @@ std::optional<Trajectory> PlanningManager::safe_part(const Trajectory& trajector
   if (corridor.is_safe) return trajectory;
   *problem = place_text("not known free", corridor.first_unsafe_m, corridor);
   const double room_m = corridor.first_unsafe_m - config_.stop_margin_m;
-  if (room_m < planning::stopping_distance(speed(), deceleration(), config_.reaction_time_s)) return std::nullopt;
-  return trajectory.stopped_at(from_arc_m, from_arc_m + room_m, deceleration());
+  const double deceleration = config_.deceleration_ratio *
+                              planning::braking_deceleration(trajectory, from_arc_m, from_arc_m + room_m,
+                                                             inputs_.vehicle->value.velocity_O, inputs_.limits->value);
+  if (room_m < planning::stopping_distance(speed(), deceleration, config_.reaction_time_s)) return std::nullopt;
+  return trajectory.stopped_at(from_arc_m, from_arc_m + room_m, deceleration);
 }
 
 Actions PlanningManager::check(const View* view, double now_s) {

@@ -14,6 +14,9 @@ constexpr int kStepsPerSample = 20;
 constexpr int kMaxSamples = 2000;
 /// The last bit of a braking curve is flown at this speed, otherwise it would take for ever.
 constexpr double kCreepSpeed = 0.05;
+/// Shorter pieces and slower velocities have no direction worth the name.
+constexpr double kMinPiece_m = 1e-6;
+constexpr double kMinSpeed_mps = 0.1;
 
 }  // namespace
 
@@ -97,6 +100,25 @@ std::optional<Trajectory> Trajectory::stopped_at(double from_arc_m, double stop_
     points.push_back(position_at_arc(arc));
   }
   return Trajectory(std::move(points), dt_s_);
+}
+
+double braking_deceleration(const Trajectory& trajectory, double from_arc_m, double to_arc_m, const Vec3& velocity,
+                            const DynamicsLimits& limits) {
+  DynamicsLimits braking = limits;
+  braking.ascending_acceleration_mps2 = braking.descending_acceleration_mps2 =
+      std::min(limits.ascending_acceleration_mps2, limits.descending_acceleration_mps2);
+  double out = limits_along(Vec3::UnitX(), braking).acceleration_mps2;
+  const auto allow_for = [&](const Vec3& direction, double min_norm) {
+    if (direction.norm() > min_norm) out = std::min(out, limits_along(direction, braking).acceleration_mps2);
+  };
+  allow_for(velocity, kMinSpeed_mps);
+  const std::vector<Vec3> points = trajectory.points_from_arc(from_arc_m);
+  double arc_m = from_arc_m;
+  for (std::size_t i = 1; i < points.size() && arc_m < to_arc_m; ++i) {
+    allow_for(points[i] - points[i - 1], kMinPiece_m);
+    arc_m += (points[i] - points[i - 1]).norm();
+  }
+  return out;
 }
 
 double stopping_distance(double speed_mps, double deceleration_mps2, double reaction_s) {

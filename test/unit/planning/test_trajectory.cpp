@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "voxnav/planning/trajectory.hpp"
@@ -58,4 +59,26 @@ TEST(Trajectory, UnusablePointsAreRefused) {
   EXPECT_THROW(Trajectory({}, 0.2), std::invalid_argument);
   EXPECT_THROW(Trajectory({Vec3(0, 0, std::nan(""))}, 0.2), std::invalid_argument);
   EXPECT_THROW(Trajectory({Vec3(0, 0, 0)}, 0.0), std::invalid_argument);
+}
+
+TEST(Trajectory, LevelFlightBrakesByTheHorizontalLimit) {
+  const planning::DynamicsLimits limits{4.0, 2.0, 2.0, 1.0, 2.0, 0.8};
+  const Vec3 still = Vec3::Zero();
+  EXPECT_DOUBLE_EQ(braking_deceleration(cruise(), 4.0, 10.0, still, limits), 2.0);
+  EXPECT_DOUBLE_EQ(braking_deceleration(cruise(), 4.0, 10.0, {2.0, 0.0, 0.02}, limits), 2.0);
+  EXPECT_DOUBLE_EQ(braking_deceleration(cruise(), 4.0, 10.0, {0.0, 0.0, 1.0}, limits), 0.8) << "the vehicle climbs";
+}
+
+TEST(Trajectory, SteepFlightBrakesByTheTighterVerticalLimitWhicheverTheDirection) {
+  const planning::DynamicsLimits limits{4.0, 2.0, 2.0, 1.0, 2.0, 0.8};
+  const Vec3 still = Vec3::Zero();
+  for (const double z : {1.0, -1.0}) {
+    const Trajectory steep({Vec3(0, 0, 0), Vec3(0, 0, z), Vec3(0, 0, 2 * z)}, 0.5);
+    EXPECT_DOUBLE_EQ(braking_deceleration(steep, 0.0, 2.0, still, limits), 0.8);
+    const Trajectory slope({Vec3(0, 0, 0), Vec3(1, 0, z), Vec3(2, 0, 2 * z)}, 0.5);
+    EXPECT_NEAR(braking_deceleration(slope, 0.0, 2.0, still, limits), 0.8 * std::sqrt(2.0), 1e-12);
+  }
+  const Trajectory late({Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(2, 0, 2)}, 0.5);
+  EXPECT_DOUBLE_EQ(braking_deceleration(late, 0.0, 2.0, still, limits), 2.0) << "stops before the climb";
+  EXPECT_DOUBLE_EQ(braking_deceleration(late, 0.0, 2.5, still, limits), 0.8);
 }
