@@ -142,10 +142,17 @@ void bind_inputs(py::class_<PlanningManager>& cls) {
           py::arg("stamp_s"), py::arg("times_s"), py::arg("positions_O"))
       .def(
           "set_control",
-          [](PlanningManager& m, double stamp_s, bool is_flying, bool accepts_goals) {
-            m.inputs().control = {stamp_s, {is_flying, accepts_goals}};
+          [](PlanningManager& m, double stamp_s, bool is_flying, bool accepts_goals, bool is_tracking) {
+            m.inputs().control = {stamp_s, {is_flying, accepts_goals, is_tracking}};
           },
-          py::arg("stamp_s"), py::arg("is_flying"), py::arg("accepts_goals"))
+          py::arg("stamp_s"), py::arg("is_flying"), py::arg("accepts_goals"), py::arg("is_tracking") = false)
+      .def(
+          "set_frames",
+          [](PlanningManager& m, const std::string& map, const std::string& control) {
+            m.inputs().map_frame = map;
+            m.inputs().control_frame = control;
+          },
+          py::arg("map"), py::arg("control"), "Names of the frames that map and odometry are in; '' where unknown.")
       .def(
           "set_limits",
           [](PlanningManager& m, double stamp_s, const std::array<double, 6>& v) {

@@ -8,6 +8,7 @@ import voxnav
 LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
 RESOLUTION = 0.4
 TICK_S = 0.05
+HOVER_S = 1.0
 
 
 class FakeFlight:
@@ -32,6 +33,9 @@ class FakeFlight:
         self.fails = set()  # kinds of actions that the services refuse
         self.silent = set()  # kinds that are never answered
         self.lost = set()  # inputs that are no longer updated
+        self.is_flying = True
+        self.callbacks_from = self.now  # the tracker accepts goals from then on: not while it brakes to hover
+        self.frames = ("odom", "odom")  # of the map and of the vehicle
         self.sequence = 0
 
     def look(self):
@@ -68,7 +72,9 @@ class FakeFlight:
             m.set_map_stamp(now)
         if "correction" not in self.lost:
             m.set_T_W_O(now, self.T_W_O)
-        m.set_control(now, True, True)
+        is_tracking = self.flown is not None and now < self.flown[2] + self.flown[1] * (len(self.flown[0]) - 1)
+        m.set_control(now, self.is_flying, self.is_flying and now >= self.callbacks_from, is_tracking)
+        m.set_frames(*self.frames)
         m.set_limits(now, LIMITS)
 
     def step(self):
@@ -111,8 +117,12 @@ class FakeFlight:
                 self.flown = (action.trajectory.points, action.trajectory.dt_s, self.now)
             return self.manager.publish_done(action.job, problem, self.now)
         if not problem:
-            self.flown = None  # stops on the spot
+            self.hover()
         self.manager.hover_done(problem, self.now)
+
+    def hover(self):
+        """Whoever wants it: stops on the spot and, as in MRS, takes no goals for a moment."""
+        self.flown, self.callbacks_from = None, self.now + HOVER_S
 
     def generate(self, action):
         """What MRS does: prediction until the start, then along the waypoints, starting and ending at rest."""

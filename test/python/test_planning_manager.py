@@ -227,6 +227,95 @@ def test_a_new_goal_in_flight_replaces_the_old_one():
     assert np.linalg.norm(flight.position - (0.0, 8.0, 0.0)) < 0.8
 
 
+def assert_dropped(flight, words):
+    """The goal is gone for a reason, voxnav has not commanded anything, and does not fly on by itself."""
+    status = flight.manager.status
+    assert status["goal_W"] is None and not status["is_goal_reached"] and status["state"] == IDLE
+    assert status["reason"].startswith("goal dropped: ") and words in status["reason"]
+    num_commands = len(flight.log)
+    flight.is_flying = True
+    flight.fly(5.0)
+    assert len(flight.log) == num_commands
+    assert flight.manager.set_goal((10.0, 4.0, 0.0), None, flight.now) == ""
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+def test_a_hover_of_somebody_else_drops_the_goal():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.hover()
+    flight.fly(0.3)
+    assert flight.count("hover") == 0
+    assert_dropped(flight, "somebody else let the vehicle hover")
+
+
+def test_a_landing_drops_the_goal():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.flown, flight.is_flying = None, False
+    flight.fly(0.3)
+    assert_dropped(flight, "landed")
+
+
+def test_a_landing_out_of_voxnavs_own_hover_drops_the_goal():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.lost.add("map")
+    flight.fly(2.0)
+    assert flight.count("hover") == 1 and flight.manager.status["goal_W"] is not None
+    flight.is_flying = False
+    flight.fly(0.3)
+    flight.lost.clear()
+    assert_dropped(flight, "landed")
+
+
+def test_another_node_that_commands_the_tracker_keeps_it():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.flown = None
+    flight.fly(0.3)
+    assert flight.count("hover") == 0
+    assert_dropped(flight, "somebody else commands")
+
+
+def test_a_tracker_that_never_accepts_goals_again_after_a_hover_is_somebody_elses():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.lost.add("map")
+    flight.fly(2.0)
+    flight.lost.clear()
+    flight.callbacks_from = flight.now + 30.0
+    flight.fly(12.0)
+    flight.callbacks_from = flight.now
+    assert_dropped(flight, "somebody else let the vehicle hover")
+
+
+def test_a_goal_set_on_the_ground_waits_for_the_take_off():
+    flight = FakeFlight(world(), ORIGIN, START)
+    flight.look()
+    flight.is_flying = False
+    flight.tell()
+    assert flight.manager.set_goal((10.0, 0.0, 0.0), None, flight.now) == ""
+    flight.fly(2.0)
+    assert flight.manager.status["reason"] == "waiting: not flying"
+    flight.is_flying, flight.callbacks_from = True, flight.now + 2.0
+    flight.fly(1.0)
+    assert "does not accept goals" in flight.manager.status["reason"]
+    assert flight.fly(30.0, reached), flight.manager.status
+
+
+def test_a_map_in_another_frame_than_the_vehicle_leads_to_hover_with_a_reason():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.frames = ("odom", "other_odom")
+    flight.fly(0.3)
+    status = flight.manager.status
+    assert status["reason"] == "hover: the local map is in frame odom, the vehicle in other_odom"
+    assert flight.count("hover") == 1 and status["goal_W"] is not None
+    flight.frames = ("other_odom", "other_odom")
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
 def test_bad_configuration_is_refused():
     with pytest.raises(voxnav.ConfigError):
         voxnav.PlanningManagerConfig(corridor_radius_m=0.4)

@@ -38,6 +38,7 @@ class FakeUav:
         self.map_is_alive, self.generator_works = True, threading.Event()
         self.generator_works.set()
         self.num_hovers, self.sequence = 0, 0
+        self.frame, self.paths = O, []  # of the vehicle; asked of the generator
         self.grid = voxnav.StateGrid.from_array(np.ones((100, 60, 25), dtype=np.int8), (-8.0, -12.0, 0.0), 0.4)
         pub = rospy.Publisher
         self.odometry = pub(UAV + "estimation_manager/odom_main", Odometry, queue_size=5)
@@ -90,7 +91,7 @@ class FakeUav:
     def publish(self, now, count):
         before, self.position = self.position, self.position_at(now.to_sec())
         odometry = Odometry()
-        odometry.header.stamp, odometry.header.frame_id = now, O
+        odometry.header.stamp, odometry.header.frame_id = now, self.frame
         p, v = odometry.pose.pose.position, odometry.twist.twist.linear
         p.x, p.y, p.z = self.position
         v.x, v.y, v.z = (self.position - before) / 0.05
@@ -127,6 +128,7 @@ class FakeUav:
 
     def serve_path(self, request):
         self.generator_works.wait()
+        self.paths.append(request.path)
         now = rospy.Time.now().to_sec()
         line = [self.position_at(now)] + [np.array([p.position.x, p.position.y, p.position.z])
                                           for p in request.path.points]
@@ -224,6 +226,30 @@ class PlanningManagerTest(unittest.TestCase):
         self.wait(lambda s: s.has_goal and abs(s.goal.z - 3.0) < 0.2, 10.0, "the goal to be taken")
         self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
         self.assert_at((2.0, 0.0, 3.0))
+
+    def test_5b_a_path_without_a_heading_leaves_the_heading_free(self):
+        """With relax_heading false the MRS generator turns to the heading 0 of every waypoint."""
+        del self.uav.paths[:]
+        publisher = rospy.Publisher(UAV + "planning_manager/goal", PoseStamped, queue_size=1, latch=True)
+        goal = PoseStamped()  # without an orientation
+        goal.header.frame_id = W
+        goal.pose.position.x, goal.pose.position.y, goal.pose.position.z = 6.0, 2.0, 3.0
+        publisher.publish(goal)
+        self.wait(lambda s: s.has_goal and abs(s.goal.y - 2.0) < 0.01, 10.0, "the goal to be taken")
+        self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
+        self.assert_at((-4.0, 2.0, 3.0))
+        self.assertTrue(self.uav.paths)
+        for path in self.uav.paths:
+            self.assertFalse(path.use_heading)
+            self.assertTrue(path.relax_heading)
+
+    def test_5c_a_vehicle_in_another_frame_than_the_map_hovers(self):
+        self.assertTrue(self.send((4.0, 0.0, 3.0), O).success)
+        self.wait(lambda s: s.state == PlannerStatus.MOVING, 20.0, "moving")
+        self.uav.frame = "uav1/other"
+        self.wait(lambda s: "frame" in s.reason and s.state == PlannerStatus.IDLE, 10.0, "hover")
+        self.uav.frame = O
+        self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
 
     def test_6_changes_lost_without_a_map_service_lead_to_hover_until_it_is_there(self):
         self.assertTrue(self.send((16.0, 0.0, 3.0), O).success)

@@ -181,7 +181,9 @@ class UavSimulatorTest(unittest.TestCase):
         header.frame_id = "fcu"
         self.assertTrue(goto(header, reference(6, 0, 0)).success)
         wait_for(lambda: distance(before, self.position()) > 1.0, "the way to the goal")
+        self.assertTrue(self.control.message.tracker_status.callbacks_enabled)
         self.assertTrue(service("control_manager/hover", Trigger)().success)
+        wait_for(lambda: not self.control.message.tracker_status.callbacks_enabled, "callbacks taken while braking")
         wait_for(lambda: abs(self.state.message.velocity.linear.x) + abs(self.state.message.velocity.linear.y) < 0.03,
                  "standing still")
         self.assertLess(distance(before, self.position()), 5.0)

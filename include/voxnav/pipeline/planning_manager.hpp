@@ -72,11 +72,14 @@ class PlanningManager {
     double begin_s;
     double radius_m;
     bool is_to_goal;
-    double left_m;          ///< from its end to the goal
-    geometry::Vec3 goal_O;  ///< where the goal was in O when this was planned
+    double left_m;            ///< from its end to the goal
+    geometry::Vec3 goal_O;    ///< where the goal was in O when this was planned
+    double ask_s;             ///< when the tracker was asked to fly it
+    bool is_tracked = false;  ///< the tracker has been seen to fly it
   };
 
   // planning_manager.cpp: goals and states
+  std::optional<std::string> foreign_command(double now_s);
   Actions lose(const std::string& problem, double now_s);
   void enter(PlannerState state, const std::string& reason);
   bool finish_if_reached(double now_s);
@@ -107,6 +110,8 @@ class PlanningManager {
   std::optional<Flight> flight_;
   std::optional<std::string> hover_wanted_;  ///< until the control manager has agreed
   double hover_sent_s_ = -1e18;
+  std::optional<double> own_hover_s_;  ///< of voxnav's last hover, until the tracker has finished it
+  bool was_in_control_ = false;        ///< the vehicle has been free to fly to the goal
   double next_plan_s_ = -1e18;
   double last_now_s_ = -1e18;
   std::uint64_t last_job_ = 0;

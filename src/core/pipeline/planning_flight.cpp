@@ -134,7 +134,8 @@ Actions PlanningManager::publish_done(std::uint64_t job, const std::string& prob
                    done.outcome.corridor_radius_m,
                    done.outcome.is_to_goal,
                    done.outcome.left_m,
-                   goal_ ? goal_O() : Vec3::Zero()};
+                   goal_ ? goal_O() : Vec3::Zero(),
+                   done.begin_s};
   next_plan_s_ = now_s + (done.is_shortening ? 0.0 : config_.replan_interval_s);
   if (done.is_shortening) return {};
   const bool is_whole = done.outcome.plan.status == planning::PlanStatus::kComplete;
@@ -147,6 +148,7 @@ Actions PlanningManager::hover(const std::string& reason, double now_s) {
   if (!hover_wanted_) ++status_.num_hovers;
   hover_wanted_ = reason;
   hover_sent_s_ = now_s;
+  own_hover_s_ = now_s;
   flight_.reset();
   Action action;
   action.kind = ActionKind::kHover;
@@ -156,6 +158,7 @@ Actions PlanningManager::hover(const std::string& reason, double now_s) {
 
 void PlanningManager::hover_done(const std::string& problem, double now_s) {
   if (problem.empty()) {
+    if (own_hover_s_) own_hover_s_ = now_s;
     hover_wanted_.reset();
     next_plan_s_ = std::max(next_plan_s_, now_s);
     return;

@@ -45,6 +45,9 @@ std::optional<std::string> PlanningInputs::problem(double now_s, const PlanningM
   if (auto p = age_problem(prediction, "tracker prediction", now_s, config.tracker_timeout_s)) return p;
   const std::optional<Timed<int>> map = map_stamp_s ? std::optional<Timed<int>>({*map_stamp_s, 0}) : std::nullopt;
   if (auto p = age_problem(map, "local map", now_s, config.map_timeout_s)) return p;
+  if (!map_frame.empty() && !control_frame.empty() && map_frame != control_frame) {
+    return "the local map is in frame " + map_frame + ", the vehicle in " + control_frame;
+  }
   const double correction_s = config.correction_timeout_s > 0.0 ? config.correction_timeout_s : 1e18;
   if (auto p = age_problem(T_W_O, "map correction", now_s, correction_s)) return p;
   if (!lost_nodes.empty()) return *lost_nodes.begin() + " is not running";

@@ -33,7 +33,8 @@ struct Prediction {
 
 struct ControlState {
   bool is_flying = false;      ///< control manager: flying normally
-  bool accepts_goals = false;  ///< tracker callbacks enabled
+  bool accepts_goals = false;  ///< tracker callbacks enabled; MRS takes them away while it brakes to hover
+  bool is_tracking = false;    ///< the tracker follows a trajectory
 };
 
 /// Newest of everything the planning manager is told about the vehicle and the maps.
@@ -44,6 +45,8 @@ struct PlanningInputs {
   std::optional<Timed<planning::DynamicsLimits>> limits;
   std::optional<Timed<geometry::Pose>> T_W_O;
   std::optional<double> map_stamp_s;
+  std::string map_frame;             ///< of the local map; empty until it is known
+  std::string control_frame;         ///< of the odometry; empty until it is known
   std::set<std::string> lost_nodes;  ///< nodes whose heartbeat is missing
 
   /// Why nobody may fly now; nothing when all is well.

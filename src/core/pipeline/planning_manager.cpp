@@ -13,6 +13,12 @@ using planning::PlanStatus;
 constexpr double kMaxGoalDistance_m = 1e5;
 constexpr double kClockJump_s = 1.0;
 constexpr double kHoverRetry_s = 1.0;
+/// Diagnostics this much later than a hover show whether the tracker brakes.
+constexpr double kHoverShows_s = 0.5;
+/// The tracker has stopped, however fast it flew, after this time.
+constexpr double kHoverLasts_s = 10.0;
+/// The tracker may end a trajectory this much before its last point.
+constexpr double kTrackerStep_s = 0.3;
 /// The map correction may move the goal this far in O before a way to it is planned anew.
 constexpr double kGoalShift_m = 0.3;
 /// Moving this far is progress.
@@ -42,6 +48,7 @@ std::string PlanningManager::set_goal(const Vec3& goal_W, std::optional<double> 
   if (flight_) flight_->left_m = 1e18;
   next_plan_s_ = now_s;
   progress_s_ = -1e18;
+  was_in_control_ = false;
   enter(PlannerState::kPlanning, "new goal");
   return {};
 }
@@ -80,6 +87,26 @@ Actions PlanningManager::lose(const std::string& problem, double now_s) {
   return {};
 }
 
+/// What somebody else has made of the vehicle while it flew for voxnav; nothing as long as it is ours. The control
+/// manager takes the callbacks away during any hover: those of voxnav's own hovers come back a little later.
+std::optional<std::string> PlanningManager::foreign_command(double now_s) {
+  if (!inputs_.control || now_s - inputs_.control->stamp_s > config_.diagnostics_timeout_s) return std::nullopt;
+  const ControlState& control = inputs_.control->value;
+  const double stamp_s = inputs_.control->stamp_s;
+  const bool is_free = control.is_flying && control.accepts_goals;
+  const bool has_shown = own_hover_s_ && stamp_s > *own_hover_s_ + (is_free ? kHoverShows_s : kHoverLasts_s);
+  if (has_shown) own_hover_s_.reset();
+  const bool was_in_control = was_in_control_;
+  was_in_control_ = was_in_control_ || is_free;
+  if (was_in_control && !control.is_flying) return "landed or no longer flown normally";
+  if (was_in_control && !control.accepts_goals && !own_hover_s_) return "somebody else let the vehicle hover or land";
+  if (!flight_ || own_hover_s_ || stamp_s < flight_->begin_s) return std::nullopt;
+  flight_->is_tracked = flight_->is_tracked || control.is_tracking;
+  const bool is_over = stamp_s > flight_->ask_s + flight_->trajectory.duration_s() - kTrackerStep_s;
+  if (flight_->is_tracked && !control.is_tracking && !is_over) return "somebody else commands the vehicle";
+  return std::nullopt;
+}
+
 Actions PlanningManager::tick(double now_s) {
   const bool has_jumped = now_s < last_now_s_ - kClockJump_s;
   last_now_s_ = now_s;
@@ -88,11 +115,22 @@ Actions PlanningManager::tick(double now_s) {
     hover_sent_s_ = next_plan_s_ = -1e18;
     return lose("clock jumped back", now_s);
   }
+  if (const auto taken = goal_ ? foreign_command(now_s) : std::nullopt) {
+    goal_.reset();
+    status_.goal_W.reset();
+    job_.reset();
+    flight_.reset();  // and no hover: the vehicle is somebody else's now
+    hover_wanted_.reset();
+    enter(PlannerState::kIdle, "goal dropped: " + *taken);
+    return {};
+  }
   const bool is_on_ground = inputs_.control && !inputs_.control->value.is_flying;
   if (hover_wanted_ && is_on_ground) hover_wanted_.reset();  // nobody hovers there
   if (hover_wanted_) {
     return now_s - hover_sent_s_ > kHoverRetry_s ? hover(*hover_wanted_, now_s) : Actions{};
   }
+  const bool is_braking = own_hover_s_ && !flight_ && inputs_.control && !inputs_.control->value.accepts_goals;
+  if (is_braking) return {};  // as voxnav wanted it, and for the reason that is shown already
   if (const auto problem = inputs_.problem(now_s, config_)) return lose(*problem, now_s);
   if (!goal_) {
     if (flight_ && !is_flying_trajectory(now_s)) flight_.reset();

@@ -142,7 +142,8 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   out.controller_status.active = out.output_enabled;
   mrs_msgs::TrackerStatus& status = out.tracker_status;
   status.active = out.output_enabled;
-  status.callbacks_enabled = out.flying_normally;
+  // As the MRS trackers do: whoever watches this sees that somebody let the vehicle hover.
+  status.callbacks_enabled = out.flying_normally && uav.tracker().mode() != TrackerMode::kBrake;
   status.state = tracker_state(uav);
   status.have_goal = out.flying_normally && uav.tracker().has_goal();
   status.tracking_trajectory = out.flying_normally && uav.tracker().mode() == TrackerMode::kTrajectory;

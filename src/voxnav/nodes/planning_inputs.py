@@ -142,7 +142,7 @@ class PlanningInputs:
         self._on_jump, self._on_cycle = on_jump, on_cycle
         self._corrections = collections.deque(maxlen=100)  # of lock-step: (stamp_s, T_W_O)
         self._arrived = threading.Condition()
-        self._odometry_s = self._tracker_s = 0.0
+        self._odometry_s = self._tracker_s = self._control_s = 0.0
         self.odometry_frame, self.map_frame = "", config.map_frame
         self.T_W_O = None
         self.position_O = self.limits = None
@@ -167,7 +167,8 @@ class PlanningInputs:
     def catch_up(self, map_stamp_s, now_s):
         """Lock-step: what of the vehicle is known at the instant of a cycle, what of the global map was before it."""
         with self._arrived:
-            self._arrived.wait_for(lambda: min(self._odometry_s, self._tracker_s) > now_s - 1e-4, INPUT_WAIT_S)
+            self._arrived.wait_for(lambda: min(self._odometry_s, self._tracker_s, self._control_s) > now_s - 1e-4,
+                                   INPUT_WAIT_S)
         self.obstacles.release(map_stamp_s)
         while self._corrections and self._corrections[0][0] < map_stamp_s:
             self.T_W_O = self._corrections.popleft()[1]
@@ -181,6 +182,7 @@ class PlanningInputs:
         self._update_prediction()
         with self._lock:
             self._manager.set_lost_nodes(self._heartbeats.lost())
+            self._manager.set_frames(self.local.frame, self.odometry_frame)
 
     def reset(self):
         """After a jump of the clock."""
@@ -221,7 +223,11 @@ class PlanningInputs:
 
     def _on_control(self, msg):
         with self._lock:
-            self._manager.set_control(msg.stamp.to_sec(), msg.flying_normally, msg.tracker_status.callbacks_enabled)
+            self._manager.set_control(msg.stamp.to_sec(), msg.flying_normally, msg.tracker_status.callbacks_enabled,
+                                      msg.tracker_status.tracking_trajectory)
+        with self._arrived:
+            self._control_s = msg.stamp.to_sec()
+            self._arrived.notify_all()
 
     def _on_constraints(self, msg):
         values = [msg.horizontal_speed, msg.horizontal_acceleration, msg.vertical_ascending_speed,
