@@ -101,6 +101,8 @@ class ControlServices:
             waypoints = waypoints[1:]  # the generator begins with the present state itself
         path.points = [reference(p, action.heading_rad or 0.0) for p in waypoints]
         path.use_heading = action.heading_rad is not None
+        # Otherwise the generator slows the flight down to turn to the heading 0 of every waypoint.
+        path.relax_heading = not path.use_heading
         return path
 
     def publish(self, trajectory, frame):
