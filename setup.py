@@ -3,4 +3,6 @@ from setuptools import setup
 
 PACKAGES = ["voxnav", "voxnav.nodes", "voxnav.offline", "voxnav.demo", "voxnav.alignment"]
 
-setup(**generate_distutils_setup(packages=PACKAGES, package_dir={"": "src"}))
+# Types for those who use the package: py.typed says that it has them, the stubs are those of the C++ modules.
+setup(**generate_distutils_setup(packages=PACKAGES, package_dir={"": "src"},
+                                 package_data={"voxnav": ["py.typed", "*.pyi"]}))

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Trajectory errors against a reference."""
 
+from __future__ import annotations
+
 import numpy as np
+
+from voxnav.array_types import Array, ArrayLike
 
 
 class EvaluationError(ValueError):
     """The two trajectories cannot be compared."""
 
 
-def interpolate_positions(stamps, reference_stamps, reference_positions):
+def interpolate_positions(stamps: Array, reference_stamps: Array, reference_positions: Array) -> Array:
     """Reference positions at the given stamps; NaN rows outside the reference's time span. O(n log m)."""
     out = np.full((len(stamps), 3), np.nan)
     inside = (stamps >= reference_stamps[0]) & (stamps <= reference_stamps[-1])
@@ -17,8 +21,8 @@ def interpolate_positions(stamps, reference_stamps, reference_positions):
     return out
 
 
-def align_se3(source, target):
-    """Rotation R and translation t that minimise sum |R source + t - target|^2.
+def align_se3(source: Array, target: Array) -> tuple[Array, Array]:
+    """Rotation R and translation t that minimise the sum of squares of R source + t - target.
 
     source, target: (n, 3). Source: Umeyama, TPAMI 1991, without scale.
     """
@@ -30,7 +34,8 @@ def align_se3(source, target):
     return R, mean_target - R @ mean_source
 
 
-def absolute_trajectory_error(stamps, positions, reference_stamps, reference_positions, align=True):
+def absolute_trajectory_error(stamps: ArrayLike, positions: ArrayLike, reference_stamps: ArrayLike,
+                              reference_positions: ArrayLike, align: bool = True) -> float:
     """RMSE of positions in metres, after SE(3) alignment unless told otherwise.
 
     Raises EvaluationError when fewer than three stamps lie inside the reference.
@@ -38,7 +43,7 @@ def absolute_trajectory_error(stamps, positions, reference_stamps, reference_pos
     target = interpolate_positions(np.asarray(stamps), np.asarray(reference_stamps), np.asarray(reference_positions))
     valid = np.all(np.isfinite(target), axis=1)
     if valid.sum() < 3:
-        raise EvaluationError("only %d of %d poses lie inside the reference's time span" % (valid.sum(), len(stamps)))
+        raise EvaluationError("only %d of %d poses lie inside the reference's time span" % (valid.sum(), len(valid)))
     source, target = np.asarray(positions)[valid], target[valid]
     if align:
         R, t = align_se3(source, target)

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plain file formats: TUM trajectories and PLY clouds."""
 
+from __future__ import annotations
+
+from typing import Iterable, Sequence
+
 import numpy as np
 
+from voxnav.array_types import Array, ArrayLike
 
-def rotation_from_quaternion(q_xyzw):
+
+def rotation_from_quaternion(q_xyzw: ArrayLike) -> Array:
     """(4,) x y z w of any length > 0 -> (3, 3). Raises ValueError for a zero or non-finite quaternion."""
     q = np.asarray(q_xyzw, dtype=np.float64)
     norm = np.linalg.norm(q)
@@ -18,7 +24,7 @@ def rotation_from_quaternion(q_xyzw):
     ])
 
 
-def quaternion_from_rotation(R):
+def quaternion_from_rotation(R: Array) -> Array:
     """(3, 3) -> (4,) x y z w with w >= 0. Source: Shepperd 1978."""
     candidates = np.array([R[0, 0], R[1, 1], R[2, 2], np.trace(R)])
     k = int(np.argmax(candidates))
@@ -35,23 +41,23 @@ def quaternion_from_rotation(R):
     return q if q[3] >= 0 else -q
 
 
-def pose_from_tum_row(row):
+def pose_from_tum_row(row: Sequence[float]) -> Array:
     T = np.eye(4)
     T[:3, :3] = rotation_from_quaternion(row[4:8])
     T[:3, 3] = row[1:4]
     return T
 
 
-def read_tum(path):
+def read_tum(path: str) -> tuple[Array, Array]:
     """Rows ``t x y z qx qy qz qw`` -> (stamps (n,) s, poses (n, 4, 4)). Raises ValueError naming file and line."""
     stamps, poses = [], []
     with open(path) as source:
         for number, line in enumerate(source, 1):
-            line = line.split("#")[0].split()
-            if not line:
+            words = line.split("#")[0].split()
+            if not words:
                 continue
             try:
-                row = [float(word) for word in line]
+                row = [float(word) for word in words]
                 if len(row) != 8 or not np.all(np.isfinite(row)):
                     raise ValueError("needs eight finite numbers t x y z qx qy qz qw")
                 poses.append(pose_from_tum_row(row))
@@ -65,7 +71,7 @@ def read_tum(path):
     return np.array(stamps), np.array(poses)
 
 
-def write_tum(path, stamps, poses):
+def write_tum(path: str, stamps: Iterable[float], poses: Iterable[Array]) -> None:
     """Nine decimals of time and position, so that equal runs give equal bytes."""
     with open(path, "w") as out:
         for stamp, T in zip(stamps, poses):

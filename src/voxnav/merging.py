@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``scripts/merge_maps``: two saved maps become one; where they overlap, the later flight says what is there now."""
 
+from __future__ import annotations
+
 import argparse
 import sys
+from typing import Sequence
 
 import numpy as np
 
 import voxnav
+from voxnav.array_types import Array
 
 
-def pose_from(x_y_z_yaw):
+def pose_from(x_y_z_yaw: Sequence[float]) -> Array:
     """(4,) metres and radians -> (4, 4)."""
     x, y, z, yaw = x_y_z_yaw
     T = np.eye(4)
@@ -18,7 +22,7 @@ def pose_from(x_y_z_yaw):
     return T
 
 
-def merge(first, second, T_W_other):
+def merge(first: str, second: str, T_W_other: Array) -> tuple[voxnav.SubmapCollection, list[str]]:
     """Loads both maps (folders), adds the second as the newer one. Returns (SubmapCollection, what was left out)."""
     merged, problems = voxnav.SubmapCollection.load(first, recover=True)
     other, more = voxnav.SubmapCollection.load(second, recover=True)
@@ -26,7 +30,7 @@ def merge(first, second, T_W_other):
     return merged, problems + more
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="merge_maps", description=__doc__)
     parser.add_argument("first", help="folder of a saved map")
     parser.add_argument("second", help="folder of the map of a later flight")

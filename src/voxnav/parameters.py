@@ -4,14 +4,19 @@
 A field is a dict (name, default, min, max, choices, unit, doc).
 """
 
+from __future__ import annotations
+
 import json
 import subprocess
+from typing import Any, Dict, List
 
 import voxnav
 from voxnav.offline.configs import SECTIONS
 
+Parameters = Dict[str, Dict[str, List[Dict[str, Any]]]]
+
 RUNNER = "map_bag"
-PYTHON_NODES = {
+PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     "planning_manager": {"node": voxnav.PlanningNodeConfig, "manager": voxnav.PlanningManagerConfig,
                          "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig},
     "submap_optimizer": {"node": voxnav.OptimizerConfig, "graph": voxnav.SubmapGraphConfig},
@@ -19,17 +24,18 @@ PYTHON_NODES = {
 }
 
 
-def nodelet_parameters(program):
+def nodelet_parameters(program: str) -> Parameters:
     """Of the nodelets; program: path of the built ``describe_parameters``."""
-    return json.loads(subprocess.check_output([program], timeout=60).decode())
+    parameters: Parameters = json.loads(subprocess.check_output([program], timeout=60).decode())
+    return parameters
 
 
-def python_parameters():
+def python_parameters() -> Parameters:
     return {node: {name: config.describe() for name, config in sections.items()}
             for node, sections in PYTHON_NODES.items()}
 
 
-def _range(field):
+def _range(field: dict[str, Any]) -> str:
     if field["choices"]:
         return ", ".join("`%s`" % (choice or "(empty)") for choice in field["choices"])
     low, high = field["min"], field["max"]
@@ -38,11 +44,11 @@ def _range(field):
     return "%g to %g" % (low, high) if is_bounded else ""
 
 
-def _value(value):
+def _value(value: Any) -> str:
     return json.dumps(value) if value != "" else '""'
 
 
-def markdown(parameters):
+def markdown(parameters: Parameters) -> str:
     """The tables of docs/parameters.md."""
     lines = ["# Parameters", "",
              "Made from the code; do not edit. Every node takes these below its own name, and refuses to start on any "

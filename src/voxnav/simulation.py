@@ -10,7 +10,10 @@ Built only where Embree is present. Frame W: z up, ground height 0 at the start 
 4
 """
 
+from __future__ import annotations
+
 import os
+from typing import Any, Dict, Union
 
 import numpy as np
 
@@ -27,6 +30,7 @@ from voxnav._simulation import (
     WorldConfig,
     generate_trajectory,
 )
+from voxnav.array_types import Array, ArrayLike
 
 __all__ = [
     "CLASSES",
@@ -46,14 +50,17 @@ __all__ = [
     "pose",
 ]
 
+# Path of a YAML file, fields by name, or the object itself; None for the defaults.
+Config = Union[None, str, "os.PathLike[str]", Dict[str, Any], WorldConfig]
 
-def pose(x, y, z, yaw_rad=0.0):
+
+def pose(x: float, y: float, z: float, yaw_rad: float = 0.0) -> Array:
     """Upright pose as (4, 4) float64."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
 
 
-def _world_config(config):
+def _world_config(config: Config) -> WorldConfig:
     if config is None:
         return WorldConfig()
     if isinstance(config, WorldConfig):
@@ -63,18 +70,18 @@ def _world_config(config):
     return _simulation.load_world_config(os.fspath(config))
 
 
-def _rows(points, columns):
+def _rows(points: ArrayLike, columns: int) -> Array:
     return np.ascontiguousarray(points, dtype=np.float64).reshape(-1, columns)
 
 
 class Stems:
     """Trunks or poles as they were meant: (k, 3) axis ends at the ground and the top, (k,) radii there."""
 
-    def __init__(self, rows):
+    def __init__(self, rows: Array) -> None:
         self.ground, self.top = rows[:, 0:3], rows[:, 3:6]
         self.radius_ground_m, self.radius_top_m = rows[:, 6], rows[:, 7]
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.ground)
 
 
@@ -87,72 +94,76 @@ class World:
     seed : the same configuration and seed give the same mesh, byte for byte
     """
 
-    def __init__(self, config=None, seed=1):
+    def __init__(self, config: Config = None, seed: int = 1) -> None:
         self.scene = _simulation.Scene(_world_config(config), seed)
 
     @property
-    def config(self):
+    def config(self) -> WorldConfig:
         return self.scene.config
 
     @property
-    def seed(self):
+    def seed(self) -> int:
         return self.scene.seed
 
     @property
-    def counts(self):
+    def counts(self) -> dict[str, int]:
         """How many trees, bushes, poles, rocks, walls and houses found room."""
         return self.scene.counts()
 
-    def save_ply(self, path):
+    def save_ply(self, path: str | os.PathLike[str]) -> None:
         """Writes the mesh (binary PLY, a class and a colour per face, seed and parameters in the header)."""
         self.scene.save_ply(os.fspath(path))
 
-    def mesh(self):
+    def mesh(self) -> tuple[Array, Array, Array]:
         """Vertices (n, 3) float32, triangles (m, 3) uint32, classes (m,) uint8; the vehicle where it stands now."""
         arrays = self.scene.mesh()
         return arrays["vertices"], arrays["triangles"], arrays["classes"]
 
-    def ground_height(self, x, y):
+    def ground_height(self, x: ArrayLike, y: ArrayLike) -> Any:
         """Height of the ground, for numbers or arrays; NaN outside of the terrain."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         heights = self.scene.ground_height(_rows(np.stack([x, y], axis=-1), 2)).reshape(x.shape)
         return float(heights) if heights.ndim == 0 else heights
 
-    def clearance(self, points, max_m=100.0):
+    def clearance(self, points: ArrayLike, max_m: float = 100.0) -> Array:
         """Distance (n,) of (n, 3) points to the nearest surface, without sign; max_m where nothing is closer."""
         return self.scene.clearance(_rows(points, 3), max_m)
 
-    def nearest(self, points, max_m=100.0):
+    def nearest(self, points: ArrayLike, max_m: float = 100.0) -> tuple[Array, Array]:
         """Distance (n,) and class (n,) uint8 of the nearest surface; NaN and 255 where nothing is within max_m."""
-        return self.scene.nearest(_rows(points, 3), max_m)
+        distances, classes = self.scene.nearest(_rows(points, 3), max_m)
+        return distances, classes
 
-    def surface_distance(self, points, max_m=100.0):
+    def surface_distance(self, points: ArrayLike, max_m: float = 100.0) -> Array:
         """Distance (n,) to the nearest surface; NaN where nothing is within max_m."""
         return self.nearest(points, max_m)[0]
 
-    def cast(self, origins, directions, max_range_m=200.0):
+    def cast(self, origins: ArrayLike, directions: ArrayLike,
+             max_range_m: float = 200.0) -> tuple[Array, Array, Array]:
         """Ranges (inf = nothing), classes (255 = nothing) and cosines of incidence of (n, 3) rays."""
-        return self.scene.cast(_rows(origins, 3), _rows(directions, 3), max_range_m)
+        ranges, classes, cosines = self.scene.cast(_rows(origins, 3), _rows(directions, 3), max_range_m)
+        return ranges, classes, cosines
 
-    def trunks(self):
+    def trunks(self) -> Stems:
         """Stems of all trees."""
         return self._stems("trunk")
 
-    def poles(self):
+    def poles(self) -> Stems:
         """Stems of all thin poles."""
         return self._stems("pole")
 
-    def _stems(self, name):
+    def _stems(self, name: str) -> Stems:
         rows = self.scene.stems()
         return Stems(rows[rows[:, 8] == CLASSES[name]])
 
-    def move_vehicle(self, x, y, heading_rad=0.0):
+    def move_vehicle(self, x: float, y: float, heading_rad: float = 0.0) -> bool:
         """Puts the vehicle elsewhere; False when there is none, or no ground at that place."""
         return self.scene.move_vehicle(x, y, heading_rad)
 
-    def vehicle_pose(self):
+    def vehicle_pose(self) -> Array | None:
         """T_W_V (4, 4), or None."""
-        return self.scene.vehicle_pose()
+        T_W_V: Array | None = self.scene.vehicle_pose()
+        return T_W_V
 
 
 class Scan:
@@ -163,7 +174,7 @@ class Scan:
     Of the returns alone: points (n, 4) float32, point_times (n,) seconds after the start, classes (n,) uint8.
     """
 
-    def __init__(self, arrays):
+    def __init__(self, arrays: dict[str, Array]) -> None:
         self.organised, self.ranges_m, self.labels = arrays["points"], arrays["ranges_m"], arrays["labels"]
         self.column_times_s = arrays["column_times_ns"] * 1e-9
         is_return = self.labels != CLASSES["none"]
@@ -175,7 +186,7 @@ class Scan:
 class Lidar:
     """A LiDAR; takes a LidarConfig, a dict, or the fields of LidarConfig by keyword."""
 
-    def __init__(self, config=None, seed=1, **fields):
+    def __init__(self, config: LidarConfig | dict[str, Any] | None = None, seed: int = 1, **fields: Any) -> None:
         if config is not None and fields:
             raise ValueError("give either config or fields")
         if isinstance(config, LidarConfig):
@@ -185,11 +196,11 @@ class Lidar:
         self._model = _simulation.LidarModel(self.config, seed)
 
     @property
-    def sweep_s(self):
+    def sweep_s(self) -> float:
         """Seconds of one turn."""
         return self._model.sweep_s
 
-    def scan(self, world, T_W_L_start, T_W_L_end=None, scan_index=0):
+    def scan(self, world: World, T_W_L_start: Array, T_W_L_end: Array | None = None, scan_index: int = 0) -> Scan:
         """Measures one turn while the sensor moves evenly from the first to the second pose, (4, 4) float64."""
         end = T_W_L_start if T_W_L_end is None else T_W_L_end
         return Scan(self._model.scan(world.scene, T_W_L_start, end, scan_index))

@@ -11,7 +11,7 @@
 #include <vector>
 
 /// Every parameter of voxnav is written once, in a plain struct that lists its fields:
-///
+/// @code
 ///   struct FooConfig {
 ///     double resolution_m = 0.4;
 ///     template <class V> static void fields(V&& v) {
@@ -19,7 +19,7 @@
 ///     }
 ///     std::vector<std::string> problems() const;   // optional: rules between fields
 ///   };
-///
+/// @endcode
 /// The list feeds the ROS loader, the Python bindings, the shipped YAML test and docs/parameters.md.
 namespace voxnav::base {
 

@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``scripts/evaluate_alignment``: how well the submap graph corrects simulated flights that drift."""
 
+from __future__ import annotations
+
 import argparse
 import json
 import os
 import time
+from typing import Any, Sequence
 
 import numpy as np
 
 from voxnav.alignment.flight import kept_flight, world_of
-from voxnav.alignment.measure import aligned_surface, merged_surface, own_surface, solve, surface_share
+from voxnav.alignment.measure import Errors, aligned_surface, merged_surface, own_surface, solve, surface_share
 from voxnav.alignment.pictures import draw_errors, draw_trunks
-from voxnav.alignment.scenarios import SCENARIOS
+from voxnav.alignment.scenarios import SCENARIOS, Scenario
 
 _DEFAULT = [name for name in SCENARIOS if name != "long"]
 # Worse by less than this is noise of the measurement, not a bend.
 _TOLERANCE_M = 0.005
 
 
-def arguments(argv):
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="evaluate_alignment", description=__doc__)
     parser.add_argument("--scenarios", nargs="+", choices=list(SCENARIOS), default=_DEFAULT,
                         help="default: %(default)s")
@@ -28,7 +31,7 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
-def evaluate(scenario, seed, out, flights):
+def evaluate(scenario: Scenario, seed: int, out: str, flights: str | None) -> dict[str, Any]:
     """Fly, solve, measure and draw one flight. Returns a dict of numbers."""
     world, flight = world_of(scenario, seed), kept_flight(scenario, seed, flights)
     solved = solve(flight)
@@ -52,12 +55,12 @@ def evaluate(scenario, seed, out, flights):
         "solve_cpu_s": {"mean": float(seconds.mean()), "max": float(seconds.max()), "last": float(seconds[-1])}}
 
 
-def _numbers(errors):
+def _numbers(errors: Errors) -> dict[str, Any]:
     return {"rmse_m": float(errors.rmse_m), "axis_m": [float(x) for x in errors.axis_m],
             "unaligned_m": float(errors.unaligned_m), "closure_m": float(errors.closure_m)}
 
 
-def _print_errors(results):
+def _print_errors(results: list[dict[str, Any]]) -> None:
     print("\nTrajectory error [m]: RMSE after SE(3) alignment, by axis; way from start to end; share of what "
           "submaps saw themselves, and of the merged map, within 0.2 m of the true surface")
     print("scenario  seed submaps pairs |  before   x     y     z   start-end   own     map |"
@@ -71,7 +74,7 @@ def _print_errors(results):
             r["solve_cpu_s"]["max"]))
 
 
-def _print_never_worse(results):
+def _print_never_worse(results: list[dict[str, Any]]) -> int:
     """Returns how many flights came out worse than they went in."""
     print("\nNever worse: after all submaps, and the worst moment of the flight (after minus before) [m]")
     worse = 0
@@ -84,7 +87,7 @@ def _print_never_worse(results):
     return worse
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
     results = []

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An endless corridor and a LiDAR in it: nothing tells how far along it one is."""
 
+from __future__ import annotations
+
 import numpy as np
+
+from voxnav.array_types import Array, ArrayLike
 
 _BOX_M = ((-1e6, 1e6), (-3.0, 3.0), (0.0, 4.0))
 
@@ -9,31 +13,31 @@ _BOX_M = ((-1e6, 1e6), (-3.0, 3.0), (0.0, 4.0))
 class Corridor:
     """Walls at y = +-3 m, floor at 0, ceiling at 4 m; along x without end."""
 
-    def ground_height(self, x, y):
+    def ground_height(self, x: ArrayLike, y: ArrayLike) -> Array:
         return np.zeros(np.broadcast(x, y).shape)
 
-    def clearance(self, points, max_m=100.0):
+    def clearance(self, points: Array, max_m: float = 100.0) -> Array:
         out = np.full(len(points), max_m)
         for axis in (1, 2):
             for side in _BOX_M[axis]:
                 out = np.minimum(out, np.abs(points[:, axis] - side))
         return out
 
-    def surface_distance(self, points, max_m=100.0):
+    def surface_distance(self, points: Array, max_m: float = 100.0) -> Array:
         return self.clearance(points, max_m)
 
 
 class CorridorLidar:
     """32 x 512 beams, 90 degrees high, 2 cm of noise."""
 
-    def __init__(self, seed):
+    def __init__(self, seed: int) -> None:
         self._random = np.random.RandomState(seed)
         elevation = np.radians(np.linspace(45.0, -45.0, 32))[:, None]
         azimuth = np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False)[None, :]
         self._beams = np.stack(np.broadcast_arrays(np.cos(elevation) * np.cos(azimuth),
                                                    np.cos(elevation) * np.sin(azimuth), np.sin(elevation)), axis=-1)
 
-    def organised(self, T_W_L):
+    def organised(self, T_W_L: Array) -> Array:
         """(32, 512, 4) float32 x y z intensity."""
         beams_W = self._beams @ T_W_L[:3, :3].T
         ranges = np.full(beams_W.shape[:2], np.inf)

@@ -1,56 +1,70 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A simulated flight whose pose drifts, cut into submaps."""
 
-import collections
+from __future__ import annotations
+
 import os
 import pickle
+from typing import TYPE_CHECKING, Any, Callable, Iterable, NamedTuple
 
 import numpy as np
 
 import voxnav
 from voxnav.alignment.corridor import Corridor, CorridorLidar
-from voxnav.alignment.scenarios import path_of
+from voxnav.alignment.scenarios import Scenario, path_of
+from voxnav.array_types import Array
 from voxnav.optimizer_session import SubmapRecord, aligned_pose
 
-Flight = collections.namedtuple("Flight", "stamps_s T_W_B T_O_B submaps")
-Flight.__doc__ = "stamps_s (n,); T_W_B (n, 4, 4) true and T_O_B drifting poses; submaps: [(SubmapRecord, Submap)]"
+if TYPE_CHECKING:
+    from voxnav.alignment.scenarios import AnyWorld
 
 
-def drift_of(scenario, num_scans, seed):
+class Flight(NamedTuple):
+    """stamps_s (n,); T_W_B (n, 4, 4) true poses, T_O_B drifting ones; submaps with how they were made."""
+
+    stamps_s: Array
+    T_W_B: Array
+    T_O_B: Array
+    submaps: list[tuple[SubmapRecord, voxnav.Submap]]
+
+
+def drift_of(scenario: Scenario, num_scans: int, seed: int) -> Array:
     """(n, 3) estimated minus true position: a random walk inside a ball, smoothed as GNSS receivers do (three lags of
     4 s, as voxnav_simulation::GnssDrift), scaled so that its peak is the scenario's; and its trend."""
     random, dt_s, lag_s = np.random.RandomState(1000 + seed), 1.0 / scenario.scan_hz, 4.0
     walk, lags, out = np.zeros(3), np.zeros((3, 3)), np.empty((num_scans, 3))
     for i in range(num_scans):
         walk = walk + 0.1 * np.sqrt(dt_s) * random.randn(3)
-        walk *= min(1.0, scenario.drift_m / max(np.linalg.norm(walk), 1e-9))
+        walk *= min(1.0, scenario.drift_m / max(float(np.linalg.norm(walk)), 1e-9))
         source = walk
         for lag in lags:
             lag += dt_s / lag_s * (source - lag)
             source = lag
         out[i] = lags[2]
-    peak = np.linalg.norm(out, axis=1).max()
+    peak = float(np.linalg.norm(out, axis=1).max())
     trend = np.linspace(0.0, 1.0, num_scans)[:, None] * np.asarray(scenario.trend_m)
-    return trend + out * (scenario.drift_m / peak if peak > 0.0 else 0.0)
+    drift: Array = trend + out * (scenario.drift_m / peak if peak > 0.0 else 0.0)
+    return drift
 
 
-def world_of(scenario, seed):
+def world_of(scenario: Scenario, seed: int) -> AnyWorld:
     if scenario.world is None:
         return Corridor()
     from voxnav import simulation  # needs Embree
     return simulation.World(scenario.world, seed)
 
 
-def _scanner(scenario, world, seed):
+def _scanner(scenario: Scenario, world: Any, seed: int) -> Callable[[Array, int], Array]:
     if scenario.world is None:
-        lidar = CorridorLidar(seed)
-        return lambda T_W_L, index: lidar.organised(T_W_L)
+        corridor = CorridorLidar(seed)
+        return lambda T_W_L, index: corridor.organised(T_W_L)
     from voxnav import simulation
     lidar = simulation.Lidar(model="os0-32", columns=512, seed=seed)
     return lambda T_W_L, index: lidar.scan(world, T_W_L, T_W_L, index).organised
 
 
-def fly(scenario, seed, world=None, before_scan=None):
+def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
+        before_scan: Callable[[int, int], None] | None = None) -> Flight:
     """Simulate a flight: filter, local map, submaps. Deterministic. before_scan(i, n): what happens in the world."""
     world = world or world_of(scenario, seed)
     path, scan = path_of(scenario, world), _scanner(scenario, world, seed)
@@ -70,13 +84,13 @@ def fly(scenario, seed, world=None, before_scan=None):
     return Flight(stamps, T_W_B, T_O_B, submaps)
 
 
-def _filled(handovers):
+def _filled(handovers: Iterable[voxnav.Handover]) -> list[tuple[SubmapRecord, voxnav.Submap]]:
     # Early parts of submaps are left out: nothing leaves an 80 m window within one submap here.
     return [(SubmapRecord(h.submap_id, h.pose_stamps[0], h.pose_stamps[-1], h.T_O_S, h.pose_stamps, h.T_S_B),
              voxnav.Submap.from_content(h.content, np.linalg.inv(h.T_O_S))) for h in handovers if h.is_final]
 
 
-def kept_flight(scenario, seed, folder):
+def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
     """The same, kept in a folder between runs (delete it when filter, map or submaps change)."""
     if not folder:
         return fly(scenario, seed)
@@ -85,8 +99,10 @@ def kept_flight(scenario, seed, folder):
         os.makedirs(folder, exist_ok=True)
         flight = fly(scenario, seed)
         with open(path + ".part", "wb") as out:
-            pickle.dump(flight._replace(submaps=[(tuple(r), s.to_bytes()) for r, s in flight.submaps]), out)
+            kept = [(tuple(record), submap.to_bytes()) for record, submap in flight.submaps]
+            pickle.dump((flight.stamps_s, flight.T_W_B, flight.T_O_B, kept), out)
         os.replace(path + ".part", path)
     with open(path, "rb") as source:
-        flight = pickle.load(source)
-    return flight._replace(submaps=[(SubmapRecord(*r), voxnav.Submap.from_bytes(s)) for r, s in flight.submaps])
+        stamps_s, T_W_B, T_O_B, kept = pickle.load(source)
+    return Flight(stamps_s, T_W_B, T_O_B,
+                  [(SubmapRecord(*record), voxnav.Submap.from_bytes(submap)) for record, submap in kept])

@@ -2,8 +2,11 @@
 """``scripts/evaluate_ghosts``: does the merged map lose a fire truck that drove away, and nothing else? Two rounds
 about a yard with drift; the truck moves between them."""
 
+from __future__ import annotations
+
 import argparse
 import os
+from typing import Any, Iterable, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,6 +16,8 @@ from voxnav.alignment.flight import fly, world_of
 from voxnav.alignment.measure import aligned_surface, solve
 from voxnav.alignment.pictures import draw_places
 from voxnav.alignment.scenarios import Scenario
+from voxnav.array_types import Array
+from voxnav.optimizer_session import SubmapRecord
 
 _RING = [(2.0, -13.0), (37.0, -13.0), (37.0, 13.0), (2.0, 13.0)]
 _NEW_PLACE = (30.0, 2.0, 1.2)  # x, y, heading
@@ -20,47 +25,51 @@ _HALF_TRUCK_M = np.array([4.3, 1.5])
 _LOST_M = 0.5  # a surface is lost when the map has none this near any more
 
 
-def scenario_of(drift_m):
+def scenario_of(drift_m: float) -> Scenario:
     return Scenario("ghosts", "two rounds about a fire truck", "worlds/firetruck.yaml",
                     np.array([(0.0, 0.0)] + 2 * _RING + [(0.0, 0.0)]), speed_mps=1.5, drift_m=drift_m)
 
 
-def _is_truck(points, T_W_V, margin_m, lowest_m):
+def _is_truck(points: Array, T_W_V: Array, margin_m: float, lowest_m: float) -> Array:
     p = (points - T_W_V[:3, 3]) @ T_W_V[:3, :3]
     inside = np.all(np.abs(p[:, :2]) < _HALF_TRUCK_M + margin_m, axis=1)
-    return inside & (p[:, 2] > lowest_m) & (p[:, 2] < 4.0)
+    is_truck: Array = inside & (p[:, 2] > lowest_m) & (p[:, 2] < 4.0)
+    return is_truck
 
 
-def _corners(T_W_V):
+def _corners(T_W_V: Array) -> Array:
     x, y = _HALF_TRUCK_M
-    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)]) @ T_W_V[:2, :2].T + T_W_V[:2, 3]
+    corners: Array = np.array([(-x, -y), (x, -y), (x, y), (-x, y)]) @ T_W_V[:2, :2].T + T_W_V[:2, 3]
+    return corners
 
 
-def _map_of(submaps, T_W_S_by_id, bends):
+def _map_of(submaps: Iterable[tuple[SubmapRecord, voxnav.Submap]], T_W_S_by_id: dict[int, Array],
+            bends: dict[int, Array]) -> tuple[voxnav.SubmapCollection, Array]:
     collection = voxnav.SubmapCollection()
     for record, submap in submaps:
         collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
     return collection, collection.occupied_points().astype(np.float64)
 
 
-def _changes(collection, T_est, T_true, trucks):
+def _changes(collection: voxnav.SubmapCollection, T_est: Array, T_true: Array,
+             trucks: list[Array]) -> list[tuple[str, int, float]]:
     """[(kind, voxels, metres from the nearest truck)] of what the map lists."""
     out = []
     for change in collection.changes(10):
         center = aligned_surface(np.array([change["center"]]), T_est, T_true)[0]
-        gap_m = min(np.linalg.norm(center[:2] - T[:2, 3]) for T in trucks)
+        gap_m = min(float(np.linalg.norm(center[:2] - T[:2, 3])) for T in trucks)
         out.append((change["kind"], change["voxels"], gap_m))
     return out
 
 
-def evaluate(seed, drift_m, picture=None):
+def evaluate(seed: int, drift_m: float, picture: str | None = None) -> list[tuple[Any, ...]]:
     """Returns rows (poses, share of the old truck that is left, share of static surface that is lost, changes), and
     draws the corrected map before the truck moved and at the end."""
     scenario = scenario_of(drift_m)
-    world = world_of(scenario, seed)
+    world: Any = world_of(scenario, seed)
     trucks, moved_at_s = [world.vehicle_pose()], []
 
-    def drive(i, n):
+    def drive(i: int, n: int) -> None:
         if i == n // 2:
             world.move_vehicle(*_NEW_PLACE)
             trucks.append(world.vehicle_pose())
@@ -70,7 +79,7 @@ def evaluate(seed, drift_m, picture=None):
     solved = solve(flight)
     first = [item for item in flight.submaps if item[0].end_s < moved_at_s[0]]
     rows, true = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6), solved.T_true
-    out = []
+    out: list[tuple[Any, ...]] = []
     for name, poses, bends, T_est, slack_m in (
             ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
             ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)):
@@ -89,7 +98,7 @@ def evaluate(seed, drift_m, picture=None):
     return out
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="evaluate_ghosts", description=__doc__)
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], help="of world, sensor and drift")
     parser.add_argument("--drift", type=float, default=1.0, help="peak [m], default %(default)s")

@@ -1,34 +1,59 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a solved flight is worth against the truth."""
 
-import collections
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 import voxnav
+from voxnav.alignment.flight import Flight
+from voxnav.array_types import Array
 from voxnav.evaluation import align_se3
 from voxnav.optimizer_session import OptimizerSession
 
-Errors = collections.namedtuple("Errors", "rmse_m axis_m unaligned_m closure_m")
-Errors.__doc__ = """rmse_m, axis_m (3,): after SE(3) alignment. unaligned_m: with the first poses put together.
-closure_m: error of the way from the first to the last pose."""
-
-Solved = collections.namedtuple("Solved", "stamps_s T_W_B T_true before after session reports worst_excess_m")
-Solved.__doc__ = """before, after: Errors. reports: OptimizeReport per solve. worst_excess_m: over all solves, by how
-much the trajectory so far was worse than its input so far (not positive where it never was)."""
+if TYPE_CHECKING:
+    from voxnav.alignment.scenarios import AnyWorld
 
 
-def errors_of(T_est, T_true):
+class Errors(NamedTuple):
+    """rmse_m, axis_m (3,): after SE(3) alignment. unaligned_m: with the first poses put together. closure_m: error of
+    the way from the first to the last pose."""
+
+    rmse_m: float
+    axis_m: Array
+    unaligned_m: float
+    closure_m: float
+
+
+class Solved(NamedTuple):
+    """A flight after its last solve. stamps_s (n,); T_W_B and T_true (n, 4, 4). worst_excess_m: over all solves, by how
+    much the trajectory so far was worse than its input so far (not positive where it never was)."""
+
+    stamps_s: Array
+    T_W_B: Array
+    T_true: Array
+    before: Errors
+    after: Errors
+    session: OptimizerSession
+    reports: list[voxnav.OptimizeReport]
+    worst_excess_m: float
+
+
+def errors_of(T_est: Array, T_true: Array) -> Errors:
     """Errors of (n, 4, 4) poses against true ones of the same times."""
     p, q = T_est[:, :3, 3], T_true[:, :3, 3]
     R, t = align_se3(p, q)
     left = p @ R.T + t - q
     rooted = (T_true[0] @ np.linalg.inv(T_est[0]) @ T_est)[:, :3, 3]
-    return Errors(np.sqrt(np.mean(np.sum(left ** 2, axis=1))), np.sqrt(np.mean(left ** 2, axis=0)),
-                  np.sqrt(np.mean(np.sum((rooted - q) ** 2, axis=1))), np.linalg.norm(rooted[-1] - q[-1]))
+    return Errors(float(np.sqrt(np.mean(np.sum(left ** 2, axis=1)))), np.sqrt(np.mean(left ** 2, axis=0)),
+                  float(np.sqrt(np.mean(np.sum((rooted - q) ** 2, axis=1)))),
+                  float(np.linalg.norm(rooted[-1] - q[-1])))
 
 
-def solve(flight, graph_config=None, optimizer_config=None):
+def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
+          optimizer_config: voxnav.OptimizerConfig | None = None) -> Solved:
     """Feed the submaps to a session in order, solving after each, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
     for record, submap in flight.submaps:
@@ -41,7 +66,7 @@ def solve(flight, graph_config=None, optimizer_config=None):
     return Solved(stamps, poses, flight.T_W_B[rows], before, after, session, reports, worst_m)
 
 
-def merged_surface(flight, T_W_S_by_id, bends):
+def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
     """(n, 3) surface points of the merged map, in W: what users of the map are given."""
     collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
@@ -49,7 +74,7 @@ def merged_surface(flight, T_W_S_by_id, bends):
     return collection.occupied_points().astype(np.float64)
 
 
-def own_surface(flight, T_W_S_by_id, bends):
+def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
     """(n, 3) points that each submap saw itself, in W: what alignment moves."""
     parts = []
     for record, submap in flight.submaps:
@@ -59,13 +84,13 @@ def own_surface(flight, T_W_S_by_id, bends):
     return np.concatenate(parts)
 
 
-def aligned_surface(points, T_est, T_true):
+def aligned_surface(points: Array, T_est: Array, T_true: Array) -> Array:
     """Points put where the trajectory fits the true one best."""
     R, t = align_se3(T_est[:, :3, 3], T_true[:, :3, 3])
     return points @ R.T + t
 
 
-def surface_share(points, world, within_m, limit=40000):
+def surface_share(points: Array, world: AnyWorld, within_m: float, limit: int = 40000) -> float:
     """Share of (n, 3) points within a distance of the true surface."""
     distance = world.surface_distance(points[::max(1, len(points) // limit)], 5.0)
     return float(np.mean(distance <= within_m))

@@ -4,29 +4,56 @@
 Frame W: z up, metres. A path is (n, 4): x, y, z, yaw, one row per scan.
 """
 
+from __future__ import annotations
+
 import collections
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
 
 import numpy as np
 
-Scenario = collections.namedtuple(
-    "Scenario", "name about world corners height_m speed_mps drift_m scan_hz hover_s trend_m")
-Scenario.__new__.__defaults__ = (2.5, 1.0, 1.8, 5.0, 0.0, (0.0, 0.0, 0.0))
-Scenario.__doc__ = """world: fields of WorldConfig, or None for the corridor. corners: (k, 2) of the path, in order.
-drift_m: largest distance between estimated and true position, but for trend_m, to which it grows evenly besides."""
+from voxnav.array_types import Array
 
-_FOREST = {"min_corner_m": [-40.0, -40.0], "size_m": [190.0, 120.0], "leaves_per_tree": 60, "num_houses": 0}
+if TYPE_CHECKING:
+    from voxnav.alignment.corridor import Corridor
+    from voxnav.simulation import World  # needs Embree
+
+    AnyWorld = Union[World, Corridor]
+
+
+class Scenario(NamedTuple):
+    """A world and the path that is flown in it.
+
+    world: fields of WorldConfig (or the path of a YAML file), or None for the corridor. corners: (k, 2) of the path, in
+    order. drift_m: largest distance between estimated and true position, but for trend_m, to which it grows evenly
+    besides.
+    """
+
+    name: str
+    about: str
+    world: dict[str, Any] | str | None
+    corners: Array
+    height_m: float = 2.5
+    speed_mps: float = 1.0
+    drift_m: float = 1.8
+    scan_hz: float = 5.0
+    hover_s: float = 0.0
+    trend_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+_FOREST: dict[str, Any] = {"min_corner_m": [-40.0, -40.0], "size_m": [190.0, 120.0],
+                           "leaves_per_tree": 60, "num_houses": 0}
 _BARE = dict(_FOREST, trees_per_ha=0.0, bushes_per_ha=0.0, rocks_per_ha=0.0, num_poles=0, num_walls=0)
 _LONG = dict(_FOREST, size_m=[230.0, 180.0])
 _GROVE = dict(_FOREST, min_corner_m=[-15.0, -25.0], size_m=[70.0, 50.0], goal_m=[45.0, 0.0],
               terrain_margin_m=120.0)
 
 
-def _rounds(width, depth, count):
+def _rounds(width: float, depth: float, count: int) -> Array:
     ring = [(0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth)]
     return np.array(ring * count + [(0.0, 0.0)])
 
 
-def _mower(width, spacing, lines):
+def _mower(width: float, spacing: float, lines: int) -> Array:
     """Lines up and down a field, and home along its side."""
     corners = []
     for k in range(lines):
@@ -51,13 +78,13 @@ SCENARIOS = collections.OrderedDict((s.name, s) for s in (
 ))
 
 
-def _resampled(corners, step_m):
+def _resampled(corners: Array, step_m: float) -> Array:
     lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
     at = np.linspace(0.0, lengths[-1], max(2, int(round(lengths[-1] / step_m)) + 1))
     return np.stack([np.interp(at, lengths, corners[:, k]) for k in range(2)], axis=1)
 
 
-def _around_obstacles(xy, world, height_m):
+def _around_obstacles(xy: Array, world: AnyWorld, height_m: float) -> Array:
     """Points pushed out of what stands nearer than a safe distance, and kept in a smooth line."""
     clear_m, reach_m = 1.2, 0.1
     for _ in range(60):
@@ -72,7 +99,7 @@ def _around_obstacles(xy, world, height_m):
     return xy
 
 
-def path_of(scenario, world):
+def path_of(scenario: Scenario, world: AnyWorld) -> Array:
     """(n, 4) x, y, z, yaw: one row per scan."""
     if scenario.hover_s:
         n = int(scenario.hover_s * scenario.scan_hz)

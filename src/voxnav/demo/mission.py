@@ -1,12 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the demonstration asks of the UAV: take off, cross the world, arrive at its goal."""
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from voxnav.array_types import Array
 
-def repository_file(name):
+if TYPE_CHECKING:
+    from voxnav.simulation import Stems, World  # needs Embree
+
+
+def repository_file(name: str) -> str:
     """Path of a file of this repository (development checkout or installed package)."""
     here = os.path.dirname(os.path.abspath(__file__))
     for root in (os.path.join(here, "..", "..", ".."), _package_path()):
@@ -15,23 +23,23 @@ def repository_file(name):
     raise FileNotFoundError(name)
 
 
-def _package_path():
+def _package_path() -> str | None:
     try:
         import rospkg
 
-        return rospkg.RosPack().get_path("voxnav")
+        return str(rospkg.RosPack().get_path("voxnav"))
     except Exception:  # without ROS there is no package path; the checkout is tried alone
         return None
 
 
-def simulated_world(world, seed):
+def simulated_world(world: str, seed: int) -> World:
     """The world as the simulator has it, without ROS."""
     from voxnav import simulation
 
     return simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
 
 
-def goal_of(world, flight_height_m=2.0):
+def goal_of(world: World, flight_height_m: float = 2.0) -> Array:
     """Goal (3,) in W: the clear spot behind the trees, at flight height above its ground.
 
     world: voxnav.simulation.World.
@@ -40,10 +48,10 @@ def goal_of(world, flight_height_m=2.0):
     return np.array([x, y, world.ground_height(x, y) + flight_height_m])
 
 
-def _circles(stems):
+def _circles(stems: Stems) -> Array:
     return np.column_stack([stems.ground[:, :2], stems.radius_ground_m])
 
 
-def trunks(world):
+def trunks(world: World) -> Array:
     """(n, 3) x y radius of the trunks and poles as generated. world: voxnav.simulation.World."""
     return np.vstack([_circles(world.trunks()), _circles(world.poles())])

@@ -1,34 +1,40 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Starting roslaunch, rviz and a virtual screen, and making sure that they end."""
 
+from __future__ import annotations
+
 import os
 import shutil
 import signal
 import socket
 import subprocess
 import time
+from typing import IO, Any, Dict
+
+Environment = Dict[str, str]
 
 
-def free_port():
+def free_port() -> int:
     """A TCP port nobody listens on now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+        return int(probe.getsockname()[1])
 
 
 class Process:
     """A child in a process group of its own; stop() ends the whole group."""
 
-    def __init__(self, command, log_path=None, env=None):
+    def __init__(self, command: list[str], log_path: str | None = None,
+                 env: Environment | None = None) -> None:
         self.command = command
-        self._log = open(log_path, "w") if log_path else subprocess.DEVNULL
-        self._process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT, env=env,
-                                         stdin=subprocess.DEVNULL, start_new_session=True)
+        self._log: IO[str] | None = open(log_path, "w") if log_path else None
+        self._process = subprocess.Popen(command, stdout=self._log or subprocess.DEVNULL, stderr=subprocess.STDOUT,
+                                         env=env, stdin=subprocess.DEVNULL, start_new_session=True)
 
-    def is_running(self):
+    def is_running(self) -> bool:
         return self._process.poll() is None
 
-    def stop(self, timeout_s=20.0):
+    def stop(self, timeout_s: float = 20.0) -> None:
         for sig, patience in ((signal.SIGINT, timeout_s), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0)):
             try:
                 os.killpg(self._process.pid, sig)
@@ -39,24 +45,24 @@ class Process:
                 break
             except subprocess.TimeoutExpired:
                 continue
-        if self._log is not subprocess.DEVNULL:
+        if self._log is not None:
             self._log.close()
 
-    def __enter__(self):
+    def __enter__(self) -> Process:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
 
-def end_cleanly_when_terminated():
+def end_cleanly_when_terminated() -> None:
     """SIGTERM ends the program like Ctrl-C does, so that what it started is stopped too."""
-    def end(number, _):
+    def end(number: int, _: object) -> None:
         raise SystemExit(128 + number)
     signal.signal(signal.SIGTERM, end)
 
 
-def launch(launch_file, arguments, log_path):
+def launch(launch_file: str, arguments: dict[str, Any], log_path: str) -> tuple[Process, Environment]:
     """roslaunch on a private master. Returns (process, environment for further nodes)."""
     port = free_port()
     env = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1")
@@ -67,7 +73,7 @@ def launch(launch_file, arguments, log_path):
     return Process(command, log_path, env), env
 
 
-def virtual_screen(size="1600x1000x24"):
+def virtual_screen(size: str = "1600x1000x24") -> tuple[Process | None, str | None]:
     """A running Xvfb and its display name, or (None, None) when Xvfb is not installed."""
     if shutil.which("Xvfb") is None:
         return None, None
@@ -85,7 +91,7 @@ def virtual_screen(size="1600x1000x24"):
     return None, None
 
 
-def screenshot(display, path):
+def screenshot(display: str, path: str) -> bool:
     """Picture of a whole screen. Returns False when it could not be taken."""
     if shutil.which("import") is None:
         return False

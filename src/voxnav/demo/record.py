@@ -1,21 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is remembered of a flight; plain data, filled by ``voxnav.nodes.flight_recorder``."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
+
+from voxnav.array_types import Array, ArrayLike
 
 
 class Track:
     """Stamped positions that only grow."""
 
-    def __init__(self):
-        self._stamps, self._positions = [], []
+    def __init__(self) -> None:
+        self._stamps: list[float] = []
+        self._positions: list[ArrayLike] = []
 
-    def add(self, stamp, position):
+    def add(self, stamp: float, position: ArrayLike) -> None:
         if not self._stamps or stamp > self._stamps[-1]:
             self._positions.append(position)
             self._stamps.append(stamp)
 
-    def arrays(self):
+    def arrays(self) -> tuple[Array, Array]:
         """(stamps (n,), positions (n, 3)), also while another thread adds to them."""
         n = len(self._stamps)  # positions come first: there are never fewer
         return np.array(self._stamps[:n]), np.array(self._positions[:n]).reshape(-1, 3)
@@ -24,37 +31,39 @@ class Track:
 class FlightRecord:
     """Unmeasured values are None."""
 
-    def __init__(self, world, seed=None):
+    def __init__(self, world: str, seed: int | None = None) -> None:
         self.world, self.seed = world, seed
         self.title = world if seed is None else "%s, seed %d" % (world, seed)
         self.reached, self.reason = False, "the flight did not begin"
-        self.goal = None
-        self.min_clearance_m = None
-        self.real_time_factor, self.speed_factor = None, 1.0  # measured, asked for
+        self.goal: Array | None = None
+        self.min_clearance_m: float | None = None
+        self.real_time_factor: float | None = None
+        self.speed_factor = 1.0  # what was asked for
         self.truth_track, self.odometry_track = Track(), Track()
-        self.optimised = (np.empty(0), np.empty((0, 3)))
-        self.mission = None
-        self.stages, self.rss_mb = {}, {}
-        self.dropped_in_flight = {}  # by stage
-        self.obstacle_points = np.empty((0, 3))
-        self.surface_points = np.empty((0, 3))  # of the global map
-        self.plans = []
+        self.optimised: tuple[Array, Array] = (np.empty(0), np.empty((0, 3)))
+        self.mission: tuple[float, float] | None = None
+        self.stages: dict[str, Any] = {}
+        self.rss_mb: dict[str, float] = {}
+        self.dropped_in_flight: dict[str, int] = {}  # by stage
+        self.obstacle_points: Array = np.empty((0, 3))
+        self.surface_points: Array = np.empty((0, 3))  # of the global map
+        self.plans: list[Any] = []
 
     @property
-    def truth(self):
+    def truth(self) -> tuple[Array, Array]:
         return self.truth_track.arrays()
 
     @property
-    def odometry(self):
+    def odometry(self) -> tuple[Array, Array]:
         return self.odometry_track.arrays()
 
-    def until_its_end(self, track):
+    def until_its_end(self, track: tuple[Array, Array]) -> tuple[Array, Array]:
         """The part of (stamps (n,), positions (n, 3)) up to the end of the mission."""
         stamps, positions = track
         inside = stamps <= (np.inf if self.mission is None else self.mission[1])
         return stamps[inside], positions[inside]
 
-    def flown_during_mission(self):
+    def flown_during_mission(self) -> tuple[Array, Array]:
         """The true path from the goal's arrival to the end of the mission; by odometry where the truth is unknown."""
         stamps, positions = self.truth if len(self.truth[0]) else self.odometry
         if self.mission is None or not len(stamps):

@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a flight was like, as numbers: ``summary.json`` and the table on the terminal."""
 
+from __future__ import annotations
+
 import json
+from typing import Any
 
 import numpy as np
 
 from voxnav import evaluation
+from voxnav.array_types import Array, ArrayLike
+from voxnav.demo.record import FlightRecord
 
 
 # A simulation this near to the speed it was asked for has kept it; what is missing is its start.
 _MIN_SPEED_SHARE = 0.98
 
 
-def path_length(positions):
+def path_length(positions: ArrayLike) -> float:
     """Length of a polyline in metres. positions: (n, 3)."""
-    positions = np.asarray(positions)
-    return float(np.sum(np.linalg.norm(np.diff(positions, axis=0), axis=1))) if len(positions) > 1 else 0.0
+    rows = np.asarray(positions)
+    return float(np.sum(np.linalg.norm(np.diff(rows, axis=0), axis=1))) if len(rows) > 1 else 0.0
 
 
-def trajectory_error(track, truth):
+def trajectory_error(track: tuple[Array, Array], truth: tuple[Array, Array]) -> float | None:
     """RMSE after SE(3) alignment of (stamps, positions) against truth; None where it cannot be computed."""
     if len(track[0]) < 3 or len(truth[0]) < 3:
         return None
@@ -28,7 +33,7 @@ def trajectory_error(track, truth):
         return None
 
 
-def fell_behind(record):
+def fell_behind(record: FlightRecord) -> list[str]:
     """What did not keep up with real time, in words; empty when everything did."""
     out = ["%s dropped %d" % item for item in sorted(record.dropped_in_flight.items()) if item[1] > 0]
     if record.real_time_factor is not None and record.real_time_factor < _MIN_SPEED_SHARE * record.speed_factor:
@@ -36,7 +41,7 @@ def fell_behind(record):
     return out
 
 
-def summarise(record):
+def summarise(record: FlightRecord) -> dict[str, Any]:
     """record: voxnav.demo.record.FlightRecord -> dict as DESIGN section 7 names it. Unmeasured fields are None."""
     flown = record.flown_during_mission()
     return {
@@ -57,17 +62,17 @@ def summarise(record):
     }
 
 
-def write_json(path, summary):
+def write_json(path: str, summary: dict[str, Any]) -> None:
     with open(path, "w") as out:
         json.dump(summary, out, indent=2, sort_keys=True)
         out.write("\n")
 
 
-def _number(value, pattern="%.2f", unit=""):
+def _number(value: float | None, pattern: str = "%.2f", unit: str = "") -> str:
     return "not measured" if value is None else pattern % value + unit
 
 
-def table(summary, question="goal reached"):
+def table(summary: dict[str, Any], question: str = "goal reached") -> str:
     """The summary as text for a person."""
     lines = ["", "%-23s %s (%s)" % (question, "yes" if summary["reached"] else "NO", summary["reason"]),
              "true minimum clearance  " + _number(summary["min_clearance_m"], unit=" m")]
