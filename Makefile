@@ -59,3 +59,13 @@ format: deps
 
 clean:
 	rm -rf build
+
+.PHONY: tidy docs
+
+tidy: build  ## clang-tidy on every C++ source; what was clean and has not changed is not looked at again.
+	@scripts/dev/install_deps tidy
+	@scripts/dev/run_tidy $(WS)/build --jobs $(JOBS)
+
+docs: build  ## The site of the documentation, in build/docs/html.
+	@scripts/dev/install_deps docs
+	@scripts/dev/in_workspace $(WS) scripts/dev/run_docs build/docs

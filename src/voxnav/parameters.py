@@ -23,6 +23,19 @@ PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     RUNNER: SECTIONS,
 }
 
+# What people change first, as node/section/name: sensor and mount, detail and reach of the map, distances, limits.
+OFTEN_CHANGED = (
+    "cloud_filter/filter/body_radius_m", "cloud_filter/filter/min_range_m", "cloud_filter/filter/ghost_intensity",
+    "cloud_filter/filter/row_decimation",
+    "local_mapper/map/resolution_m", "local_mapper/map/window_size_m", "local_mapper/map/max_range_m",
+    "local_mapper/map/no_return_range_m", "local_mapper/map/num_threads", "local_mapper/submap/period_s",
+    "submap_integrator/node/safety_distance_m", "submap_integrator/node/autosave_dir",
+    "submap_integrator/collection/max_memory_mb", "submap_optimizer/node/gnss_type",
+    "planning_manager/planner/safety_distance_m", "planning_manager/planner/unknown_policy",
+    "planning_manager/manager/corridor_radius_m", "planning_manager/manager/max_flight_time_s",
+    "planning_manager/map/min_altitude_m", "planning_manager/map/max_altitude_m",
+)
+
 
 def nodelet_parameters(program: str) -> Parameters:
     """Of the nodelets; program: path of the built ``describe_parameters``."""
@@ -48,18 +61,38 @@ def _value(value: Any) -> str:
     return json.dumps(value) if value != "" else '""'
 
 
+def _row(name: str, field: dict[str, Any]) -> str:
+    return "| `%s` | `%s` | %s | %s | %s |" % (
+        name, _value(field["default"]), field["unit"], _range(field), field["doc"].replace("|", "\\|"))
+
+
+def _often_changed(parameters: Parameters) -> list[str]:
+    """Rows of the first table. Raises KeyError naming a parameter of the list that does not exist."""
+    rows = []
+    for path in OFTEN_CHANGED:
+        node, section, name = path.split("/")
+        fields = {field["name"]: field for field in parameters[node][section]}
+        if name not in fields:
+            raise KeyError("voxnav.parameters.OFTEN_CHANGED: there is no %s" % path)
+        rows.append(_row(path, fields[name]))
+    return rows
+
+
+_HEADER = ["| parameter | default | unit | allowed | meaning |", "|---|---|---|---|---|"]
+
+
 def markdown(parameters: Parameters) -> str:
     """The tables of docs/parameters.md."""
     lines = ["# Parameters", "",
-             "Made from the code; do not edit. Every node takes these below its own name, and refuses to start on any "
-             "other: unknown keys, wrong types and values out of range are named. Defaults are those of "
-             "`config/*.yaml`; put what should differ into a file of your own and give it as `custom_config:=`.", ""]
+             "This page is made from the code by `scripts/dev/make_parameter_docs`. A node takes the parameters below "
+             "its own name and refuses to start on any other: it names unknown keys, wrong types and values out of "
+             "range. The defaults are those of `config/*.yaml`; put what should differ into a file of your own and give "
+             "it as `custom_config:=`.", "", "## What people change", ""]
+    lines += _HEADER + _often_changed(parameters) + [""]
     for node in sorted(parameters):
         lines += ["## %s" % node, ""]
         for section, fields in parameters[node].items():
-            lines += ["### %s/%s" % (node, section), "", "| parameter | default | unit | allowed | meaning |",
-                      "|---|---|---|---|---|"]
-            lines += ["| `%s` | `%s` | %s | %s | %s |" % (
-                f["name"], _value(f["default"]), f["unit"], _range(f), f["doc"].replace("|", "\\|")) for f in fields]
+            lines += ["### %s/%s" % (node, section), ""] + _HEADER
+            lines += [_row(field["name"], field) for field in fields]
             lines.append("")
     return "\n".join(lines)

@@ -56,6 +56,11 @@ def test_every_node_has_a_configuration(everything):
     assert set(everything) <= set(configurations())
 
 
+def test_the_page_begins_with_twenty_parameters_that_exist(everything):
+    first = parameters.markdown(everything).split("\n## ")[1]
+    assert first.startswith("What people change") and first.count("\n| `") == len(parameters.OFTEN_CHANGED) == 20
+
+
 def test_documentation_is_up_to_date(everything):
     with open(os.path.join(ROOT, "docs", "parameters.md")) as source:
         assert source.read() == parameters.markdown(everything), "run scripts/dev/make_parameter_docs"
