@@ -86,8 +86,8 @@ def markdown(parameters: Parameters) -> str:
     lines = ["# Parameters", "",
              "This page is made from the code by `scripts/dev/make_parameter_docs`. A node takes the parameters below "
              "its own name and refuses to start on any other: it names unknown keys, wrong types and values out of "
-             "range. The defaults are those of `config/*.yaml`; put what should differ into a file of your own and give "
-             "it as `custom_config:=`.", "", "## What people change", ""]
+             "range. The defaults are those of `config/*.yaml`; put what should differ into a file of your own and "
+             "give it as `custom_config:=`.", "", "## What people change", ""]
     lines += _HEADER + _often_changed(parameters) + [""]
     for node in sorted(parameters):
         lines += ["## %s" % node, ""]

@@ -15,7 +15,8 @@ def read(name):
 
 
 def hooks():
-    return [hook for repository in yaml.safe_load(read(".pre-commit-config.yaml"))["repos"] for hook in repository["hooks"]]
+    repositories = yaml.safe_load(read(".pre-commit-config.yaml"))["repos"]
+    return [hook for repository in repositories for hook in repository["hooks"]]
 
 
 def test_hooks_come_from_this_machine():
