@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``make demo``: one flight through a simulated world, from nothing to a summary and pictures."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import sys
 import time
+from typing import Sequence
 
 from voxnav.demo import mission, processes, summary
 from voxnav.demo.rviz import Rviz, show
 from voxnav.demo.record import FlightRecord
 
 
-def arguments(argv):
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--world", default="forest", help="name of a file in worlds/ (forest, meadow, firetruck)")
     parser.add_argument("--seed", type=int, default=1, help="of world and sensor noise")
@@ -23,7 +26,7 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
     record = FlightRecord(args.world, args.seed)

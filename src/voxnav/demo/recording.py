@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``make demo-real``: a recording through the nodes, from nothing to a summary and pictures."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import sys
 import time
+from typing import Any, Sequence
 
 from voxnav import files
+from voxnav.array_types import Array
 from voxnav.demo import processes, summary
 from voxnav.demo.mission import repository_file
 from voxnav.demo.record import FlightRecord
@@ -15,7 +19,7 @@ from voxnav.offline.cli import ProgressBar
 from voxnav.offline.datasets import DatasetError, ScanFolder
 
 
-def arguments(argv):
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="demo_real", description=__doc__)
     parser.add_argument("--data", required=True, help="rosbag, or folder with scans/%%06d.bin and times.txt")
     parser.add_argument("--poses", help="TUM poses of the sensor to map with; without: LiDAR odometry, or the bag's")
@@ -25,7 +29,7 @@ def arguments(argv):
     return parser.parse_args(argv)
 
 
-def _dataset(args):
+def _dataset(args: argparse.Namespace) -> tuple[Any, bool, Array | None]:
     """(dataset, whether it brings poses, T_B_L or None)."""
     if os.path.isdir(args.data):
         return ScanFolder(args.data, args.poses), args.poses is not None, None
@@ -35,7 +39,7 @@ def _dataset(args):
     return bag, bool(bag.odometry_topic), bag.T_B_L
 
 
-def _reference(args):
+def _reference(args: argparse.Namespace) -> tuple[Array, Array] | None:
     path = args.reference or os.path.join(args.data, "poses_gt.txt")
     if not os.path.exists(path):
         if args.reference:
@@ -45,14 +49,14 @@ def _reference(args):
     return stamps, poses[:, :3, 3]
 
 
-def mount_argument(T_B_L):
+def mount_argument(T_B_L: Array | None) -> str:
     """The launch argument sensor_mount: x y z qx qy qz qw of T_B_L (4, 4); None is the body's own place."""
     if T_B_L is None:
         return "0 0 0 0 0 0 1"
     return " ".join("%.9f" % value for value in (*T_B_L[:3, 3], *files.quaternion_from_rotation(T_B_L[:3, :3])))
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     os.environ["ROS_NAMESPACE"] = "/uav1"  # rospy reads it when imported, which opening a bag does
     os.makedirs(args.out, exist_ok=True)
