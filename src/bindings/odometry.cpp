@@ -75,6 +75,7 @@ py::dict counters_of(const LidarOdometry& self) {
   out["points_refused"] = c.points_refused;
   out["imu_samples"] = c.imu_samples;
   out["imu_refused"] = c.imu_refused;
+  out["imu_clock_jumps"] = c.imu_clock_jumps;
   out["scans_without_imu"] = c.scans_without_imu;
   return out;
 }

@@ -165,6 +165,7 @@ void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
                                                             {"time_jumps_back", c.clock_jumps},
                                                             {"points_refused", c.points_refused},
                                                             {"imu_refused", c.imu_refused},
+                                                            {"imu_clock_jumps", c.imu_clock_jumps},
                                                             {"scans_without_imu", c.scans_without_imu}};
   for (const auto& [name, value] : counters) diagnostics().set_counter(name, static_cast<double>(value));
   diagnostics().set_counter("map_voxels", static_cast<double>(estimator_->map().num_voxels()));

@@ -70,8 +70,6 @@ void LocalMapperNodelet::start() {
 }
 
 void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
-  if (msg->header.stamp < newest_stamp_) time_jumped_back(msg->header.stamp);
-  newest_stamp_ = msg->header.stamp;
   try {
     if (const auto dropped = scans_->add(msg))
       drop(dropped->header.stamp, "more scans wait for tf than max_pending_scans");
@@ -119,6 +117,7 @@ void LocalMapperNodelet::process() {
 void LocalMapperNodelet::insert(LocatedScan* scan) {
   const ros::Time& stamp = scan->msg->header.stamp;
   const ros::SteadyTime start = ros::SteadyTime::now();
+  if (!watch_clock(stamp)) return;
   watch_jump(scan->T_O_B);
   thin_out(&scan->points);
   {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock_watch.hpp"
 #include "local_mapper_config.hpp"
 #include "pending_scans.hpp"
 #include "voxnav/GetGrid.h"
@@ -56,7 +57,8 @@ class LocalMapperNodelet : public NodeletBase {
   GridUpdateHeader update_header(const ros::Time& stamp) const;
 
   void restart(const std::string& reason, const std::string& text);
-  void time_jumped_back(const ros::Time& stamp);
+  /// False when the scan is to be left out because of its stamp.
+  bool watch_clock(const ros::Time& stamp);
   void watch_jump(const voxnav::geometry::Pose& T_O_B);
   void watch_load(double work_s, const ros::Time& stamp);
   void drop(const ros::Time& stamp, const std::string& reason);
@@ -74,12 +76,13 @@ class LocalMapperNodelet : public NodeletBase {
   std::unique_ptr<pipeline::SubmapScheduler> scheduler_;
   std::unique_ptr<pipeline::LoadControl> load_;
   std::unique_ptr<PendingScans> scans_;
+  voxnav::base::ClockWatch clock_ = voxnav::base::ClockWatch({});
   std::optional<voxnav::geometry::Vec3> last_body_;
   std::optional<std::uint32_t> estimator_iteration_;
   std::uint32_t sequence_ = 0;
-  std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0;
+  std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0, num_late_ = 0;
   ros::SteadyTime warned_;
-  ros::Time last_inserted_, newest_stamp_, last_snapshot_, last_occupied_, last_octomap_;
+  ros::Time last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber points_, open_beams_, quality_, uav_state_;

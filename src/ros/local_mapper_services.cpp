@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_mapper_nodelet.hpp"
+#include "voxnav_ros/conversions.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -22,7 +23,7 @@ bool answer(Response* response, const std::string& done, Action action) {
 
 bool LocalMapperNodelet::on_get_map(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
   response.success = true;
-  response.grid = to_msg(map_->snapshot(), update_header(newest_stamp_));
+  response.grid = to_msg(map_->snapshot(), update_header(to_ros(clock_.newest_ns().value_or(0))));
   return true;
 }
 

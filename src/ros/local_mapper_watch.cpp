@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_mapper_nodelet.hpp"
+#include "voxnav_ros/conversions.hpp"
 
 // What goes wrong around the map, and what is said of it.
 
@@ -46,10 +47,21 @@ void LocalMapperNodelet::restart(const std::string& reason, const std::string& t
   warn("map cleared: " + text);
 }
 
-void LocalMapperNodelet::time_jumped_back(const ros::Time& stamp) {
-  scans_->clear();
-  restart("odometry",
-          "time jumped back from " + std::to_string(newest_stamp_.toSec()) + " to " + std::to_string(stamp.toSec()));
+/// A late scan says nothing about now, and the map has newer ones: it is left out. Only when the scans after it confirm
+/// that time jumped back is the map of the future forgotten.
+bool LocalMapperNodelet::watch_clock(const ros::Time& stamp) {
+  using Verdict = voxnav::base::ClockWatch::Verdict;
+  const auto newest_ns = clock_.newest_ns();
+  const Verdict verdict = clock_.add(to_ns(stamp));
+  if (verdict == Verdict::kNext) return true;
+  const std::string from = std::to_string(voxnav::base::to_seconds(*newest_ns));
+  if (verdict == Verdict::kNewClock) {
+    restart("odometry", "time jumped back from " + from + " to " + std::to_string(stamp.toSec()));
+    return true;
+  }
+  diagnostics().set_counter("scans_late", static_cast<double>(++num_late_));
+  drop(stamp, "its stamp is not newer than that of the scan before, " + from);
+  return false;
 }
 
 void LocalMapperNodelet::watch_jump(const voxnav::geometry::Pose& T_O_B) {

@@ -97,7 +97,9 @@ class LocalMapperTest(unittest.TestCase):
                                    transform("uav1/fcu", "uav1/os_sensor", stamp_s, 0.0)]))
 
     def scan(self, x=0.0, points=None):
-        stamp_s = self.move_time(0.1)
+        self.scan_at(self.move_time(0.1), x, points)
+
+    def scan_at(self, stamp_s, x=0.0, points=None):
         self.send_tf(stamp_s - 0.02, x)
         self.send_tf(stamp_s + 0.02, x)
         self.publish(to_msg(wall() if points is None else points, stamp_s))
@@ -160,6 +162,31 @@ class LocalMapperTest(unittest.TestCase):
         self.assertEqual(self.handovers[-1].reason, "odometry")
         self.expect_message("jumped by")
         self.scan(x=0.0)
+
+    def counter(self, name):
+        """Of the last diagnostics, or None."""
+        last = self.diagnostics[-1] if self.diagnostics else NodeDiagnostics()
+        return dict(zip(last.counter_names, last.counter_values)).get(name)
+
+    def num_closed_by_odometry(self):
+        return sum(handover.reason == "odometry" for handover in self.handovers)
+
+    def test_late_clouds_are_dropped_and_only_a_lasting_jump_back_clears(self):
+        for _ in range(4):
+            self.scan()
+        had, now = self.num_closed_by_odometry(), self.now
+        for late_s in (now, now - 0.15, now - 3.0):  # the same again, a little late, very late
+            self.scan_at(late_s)
+            self.scan()
+        self.expect_message("its stamp is not newer")
+        self.assertTrue(wait_for(lambda: self.counter("scans_late") == 3))
+        self.assertNotEqual(mirror([rospy.ServiceProxy("local_mapper/get_map_in", GetGrid)().grid]), {})
+        self.assertEqual(self.num_closed_by_odometry(), had)
+        for i in range(4):
+            self.scan_at(now - 5.0 + 0.1 * i)
+        self.expect_message("time jumped back")
+        self.assertTrue(wait_for(lambda: self.num_closed_by_odometry() == had + 1))
+        self.scan()  # back on the clock that the other tests use
 
     def test_save_load_and_reset(self):
         for _ in range(4):

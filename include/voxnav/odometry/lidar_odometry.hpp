@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,7 +40,8 @@ struct OdometryResult {
 
 struct OdometryCounters {
   std::uint64_t clouds = 0, clouds_refused = 0, coasted = 0, map_restarts = 0, clock_jumps = 0;
-  std::uint64_t points_refused = 0, imu_samples = 0, imu_refused = 0, scans_without_imu = 0;
+  std::uint64_t points_refused = 0, imu_samples = 0, imu_refused = 0, imu_clock_jumps = 0;
+  std::uint64_t scans_without_imu = 0;
 };
 
 /// LiDAR-inertial odometry: each scan is deskewed, registered against a bounded local map and added to it.
@@ -52,6 +54,7 @@ class LidarOdometry {
   /// @throws base::ConfigError
   explicit LidarOdometry(const LidarOdometryConfig& config, const geometry::Pose& T_B_L = geometry::Pose::Identity());
 
+  /// A sample that is not finite, late, or alone on another clock is refused and counted.
   void add_imu(const ImuSample& sample);
 
   /// @param stamp_ns  start of the sweep; must grow (a fall of more than a second is taken as a new clock)
@@ -95,6 +98,7 @@ class LidarOdometry {
   std::string distrust(const RegistrationResult& found, const Prediction& prediction) const;
   void track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted_covariance);
   void coast(const std::string& reason, const Prediction& prediction, const Matrix6& predicted_covariance);
+  void measure_velocity(const geometry::Pose& found, double dt_s);
   void adapt_threshold(const geometry::Pose& predicted, const geometry::Pose& found);
   void adapt_gyro_bias(const RegistrationResult& found, const Prediction& prediction);
   void extend_map();
@@ -109,6 +113,7 @@ class LidarOdometry {
   std::vector<geometry::Vec3f> deskewed_, fine_, source_, inserted_;  // frame B, B, B, O
 
   geometry::Pose T_O_B_ = geometry::Pose::Identity();
+  std::optional<geometry::Pose> observed_T_O_B_;  // the last one that is not a prediction, on the clock in use
   geometry::Vec3 velocity_O_ = geometry::Vec3::Zero();
   geometry::Vec3 angular_velocity_B_ = geometry::Vec3::Zero();
   geometry::Vec3 gyro_bias_ = geometry::Vec3::Zero();

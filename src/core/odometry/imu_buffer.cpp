@@ -30,10 +30,19 @@ Vec3 log_so3(const Eigen::Quaterniond& q) {
 
 ImuBuffer::AddResult ImuBuffer::add(const ImuSample& sample) {
   if (!sample.gyro_radps.allFinite() || !sample.accel_mps2.allFinite()) return AddResult::kNotFinite;
-  if (!samples_.empty() && sample.stamp_ns <= samples_.back().stamp_ns) return AddResult::kNotNewer;
+  const auto verdict = clock_.add(sample.stamp_ns);
+  if (verdict == base::ClockWatch::Verdict::kLate) return AddResult::kNotNewer;
+  if (verdict == base::ClockWatch::Verdict::kStray) return AddResult::kOtherClock;
+  const bool is_new_clock = verdict == base::ClockWatch::Verdict::kNewClock;
+  if (is_new_clock) samples_.clear();
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
-  return AddResult::kAdded;
+  return is_new_clock ? AddResult::kAddedOnNewClock : AddResult::kAdded;
+}
+
+void ImuBuffer::clear() {
+  samples_.clear();
+  clock_.reset();
 }
 
 void ImuBuffer::forget_before(base::StampNs stamp_ns) {

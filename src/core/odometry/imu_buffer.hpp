@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 
+#include "base/clock_watch.hpp"
 #include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::odometry {
@@ -15,13 +16,19 @@ struct ImuSample {
 };
 
 /// The last seconds of IMU data, bounded. Not thread-safe.
+/// A sample whose stamp is far from the others is refused, so that one with a broken stamp does not make all later ones
+/// look old. When the samples after it confirm its time, the clock was set anew: those of the old clock are forgotten.
 class ImuBuffer {
  public:
   static constexpr std::size_t kMaxSamples = 8000;
+  /// A step of the stamps by more than this is a broken stamp or another clock.
+  static constexpr base::StampNs kMaxClockStepNs = 1'000'000'000;
+  /// So many samples in a row make another clock the one to follow: 25 ms at 200 Hz.
+  static constexpr int kNumConfirming = 5;
 
-  enum class AddResult { kAdded, kNotFinite, kNotNewer };
+  enum class AddResult { kAdded, kAddedOnNewClock, kNotFinite, kNotNewer, kOtherClock };
   AddResult add(const ImuSample& sample);
-  void clear() { samples_.clear(); }
+  void clear();
   void forget_before(base::StampNs stamp_ns);
   bool empty() const { return samples_.empty(); }
   std::size_t size() const { return samples_.size(); }
@@ -36,6 +43,7 @@ class ImuBuffer {
 
  private:
   std::deque<ImuSample> samples_;
+  base::ClockWatch clock_ = base::ClockWatch({kMaxClockStepNs, kMaxClockStepNs, kNumConfirming});
 };
 
 /// exp and log of SO(3), rotation vectors in rad.

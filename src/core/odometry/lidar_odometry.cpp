@@ -69,7 +69,9 @@ LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_
 
 void LidarOdometry::add_imu(const ImuSample& sample) {
   ++counters_.imu_samples;
-  if (imu_.add(sample) != ImuBuffer::AddResult::kAdded) ++counters_.imu_refused;
+  const ImuBuffer::AddResult result = imu_.add(sample);
+  if (result == ImuBuffer::AddResult::kAdded) return;
+  result == ImuBuffer::AddResult::kAddedOnNewClock ? ++counters_.imu_clock_jumps : ++counters_.imu_refused;
 }
 
 void LidarOdometry::reset(const Pose& T_O_B) {
@@ -80,6 +82,7 @@ void LidarOdometry::reset(const Pose& T_O_B) {
   angular_velocity_B_.setZero();
   gyro_bias_.setZero();
   has_velocity_ = has_time_ = false;
+  observed_T_O_B_.reset();
   coasted_s_ = travelled_m_ = 0.0;
   sigma_m_ = config_.initial_threshold_m;
   local_covariance_.setZero();
@@ -95,6 +98,7 @@ bool LidarOdometry::refuse_time(base::StampNs stamp_ns, OdometryResult* refused)
     ++counters_.clock_jumps;
     imu_.clear();
     has_velocity_ = has_time_ = false;
+    observed_T_O_B_.reset();
     velocity_O_.setZero();
     angular_velocity_B_.setZero();
     sigma_m_ = config_.initial_threshold_m;
@@ -160,20 +164,23 @@ void LidarOdometry::adapt_gyro_bias(const RegistrationResult& found, const Predi
   gyro_bias_ = gyro_bias_.cwiseMin(kMaxBias_radps).cwiseMax(-kMaxBias_radps);
 }
 
+/// The mean velocity since a pose was last observed: a coast of a few scans leaves the velocity known.
+void LidarOdometry::measure_velocity(const Pose& found, double dt_s) {
+  const double span_s = dt_s + coasted_s_;
+  has_velocity_ = observed_T_O_B_ && dt_s > 0.0 && span_s <= kMaxScanGap_s;
+  if (has_velocity_) {
+    velocity_O_ = (found.translation() - observed_T_O_B_->translation()) / span_s;
+    angular_velocity_B_ = log_so3(Eigen::Quaterniond(observed_T_O_B_->linear().transpose() * found.linear())) / span_s;
+  } else {
+    velocity_O_.setZero();
+  }
+}
+
 void LidarOdometry::track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted) {
   const Vec3 step = found.T_O_B.translation() - T_O_B_.translation();
   adapt_threshold(prediction.T_O_B, found.T_O_B);
   if (coasted_s_ == 0.0) adapt_gyro_bias(found, prediction);
-  if (has_time_ && prediction.dt_s <= kMaxScanGap_s && coasted_s_ == 0.0) {
-    velocity_O_ = step / prediction.dt_s;
-    angular_velocity_B_ =
-        log_so3(Eigen::Quaterniond(T_O_B_.linear().transpose() * found.T_O_B.linear())) / prediction.dt_s;
-    has_velocity_ = true;
-  } else {
-    // Position after coasting corrects the past, it is no velocity.
-    has_velocity_ = false;
-    velocity_O_.setZero();
-  }
+  measure_velocity(found.T_O_B, prediction.dt_s);
   const double noise_var = config_.measurement_noise_m * config_.measurement_noise_m;
   const Matrix6 information = without_weak_directions(found.information, found.localizability) / noise_var;
   local_covariance_ = (predicted.inverse() + information).inverse();
@@ -223,6 +230,7 @@ void LidarOdometry::extend_map() {
   for (const Vec3f& p : fine_) inserted_.push_back(T * p);
   map_.keep_around(T.translation(), config_.max_range_m * 1.1);
   map_.insert(inserted_);
+  observed_T_O_B_ = T_O_B_;
 }
 
 Matrix6 LidarOdometry::drift_covariance() const {

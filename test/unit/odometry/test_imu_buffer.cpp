@@ -66,6 +66,35 @@ TEST(ImuBuffer, DropsBadSamplesAndStaysBounded) {
   EXPECT_EQ(buffer.size(), ImuBuffer::kMaxSamples);
 }
 
+TEST(ImuBuffer, ASampleAnHourAheadDoesNotSilenceTheOthers) {
+  ImuBuffer buffer = spinning(Vec3::UnitZ(), 0, 200);
+  const base::StampNs hour_ns = base::from_seconds(3600.0);
+  EXPECT_EQ(buffer.add({200000000 + hour_ns, Vec3::UnitZ(), Vec3::Zero()}), ImuBuffer::AddResult::kOtherClock);
+  for (int ms = 205; ms <= 400; ms += 5) {
+    EXPECT_EQ(buffer.add({base::StampNs{ms} * 1000000, Vec3::UnitZ(), Vec3::Zero()}), ImuBuffer::AddResult::kAdded);
+  }
+  const auto turned = buffer.rotation(100000000, 400000000, Vec3::Zero(), 0.02);
+  ASSERT_TRUE(turned);
+  EXPECT_NEAR(odometry::log_so3(*turned).z(), 0.3, 1e-9);
+}
+
+TEST(ImuBuffer, FollowsAClockThatIsSetAnew) {
+  for (const double jump_s : {3600.0, -50.0}) {
+    const base::StampNs jump_ns = base::from_seconds(jump_s);
+    ImuBuffer buffer = spinning(Vec3::UnitZ(), 0, 200);
+    int num_refused = 0, num_jumps = 0;
+    for (int ms = 205; ms <= 600; ms += 5) {
+      const auto result = buffer.add({jump_ns + base::StampNs{ms} * 1000000, Vec3::UnitZ(), Vec3::Zero()});
+      num_refused += result == ImuBuffer::AddResult::kOtherClock;
+      num_jumps += result == ImuBuffer::AddResult::kAddedOnNewClock;
+    }
+    EXPECT_EQ(num_refused, ImuBuffer::kNumConfirming - 1);
+    EXPECT_EQ(num_jumps, 1);
+    EXPECT_TRUE(buffer.rotation(jump_ns + 300000000, jump_ns + 600000000, Vec3::Zero(), 0.02));
+    EXPECT_FALSE(buffer.rotation(100000000, 200000000, Vec3::Zero(), 0.02));
+  }
+}
+
 TEST(So3, LogInvertsExp) {
   for (const Vec3& v : {Vec3(0, 0, 0), Vec3(1e-12, 0, 0), Vec3(0.1, -0.2, 0.3), Vec3(0, 3.1, 0)}) {
     EXPECT_LT((odometry::log_so3(odometry::exp_so3(v)) - v).norm(), 1e-9);

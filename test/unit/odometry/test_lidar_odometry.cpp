@@ -150,6 +150,40 @@ TEST(LidarOdometry, CoastsThroughGarbageWithoutAJumpAndRecovers) {
   EXPECT_LT(before.covariance(0, 0), 0.01);
 }
 
+/// A long street with pillars at uneven distances on both sides.
+RoomWorld street() {
+  RoomWorld w;
+  w.room = {Vec3(-60, -12, -2), Vec3(400, 14, 30)};
+  for (double x = -50; x < 120; x += 9 + 4 * std::sin(x)) {
+    w.boxes.push_back({Vec3(x, 6, -2), Vec3(x + 1.5, 8, 8)});
+    w.boxes.push_back({Vec3(x + 4, -9, -2), Vec3(x + 5, -6, 6)});
+  }
+  return w;
+}
+
+TEST(LidarOdometry, AFewPoorScansDoNotLoseAFastVehicle) {
+  constexpr int kFirstPoor = 25, kNumScans = 40;
+  // Up to 14 m/s within two seconds, and straight on.
+  const Motion drive = [](double t) { return pose_at(Vec3(t < 2 ? 3.5 * t * t : 14.0 * (t - 1.0), 0, 0), 0); };
+  for (const int num_poor : {1, 3}) {
+    LidarOdometry o{LidarOdometryConfig()};
+    OdometryResult r;
+    for (int i = 0; i < kNumScans; ++i) {
+      const bool is_poor = i >= kFirstPoor && i < kFirstPoor + num_poor;
+      if (is_poor) {
+        r = o.add_cloud(stamp_of(i * 0.1), garbage(static_cast<std::uint32_t>(i)));
+      } else {
+        r = add_scan(street(), drive, i, &o);
+      }
+      if (i == 0) continue;
+      EXPECT_EQ(r.quality.state, is_poor ? State::kCoasting : State::kTracking) << i << ": " << r.quality.reason;
+      if (i >= kFirstPoor) EXPECT_NEAR(r.velocity_B.x(), 14.0, 2.0) << num_poor << ", " << i;
+    }
+    EXPECT_NEAR(r.velocity_B.x(), 14.0, 0.3) << num_poor;
+    EXPECT_LT(position_error(r, drive(0.1 * (kNumScans - 1))), 0.5) << num_poor;
+  }
+}
+
 TEST(LidarOdometry, EmptyScansCoastToo) {
   LidarOdometry o{LidarOdometryConfig()};
   const Motion still = [](double) { return Pose::Identity(); };
