@@ -12,7 +12,6 @@
 
 #include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "old_submap_bytes.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -144,10 +143,6 @@ int repeat(unsigned seed, int count, Attempt&& attempt) {
 TEST(SubmapFuzz, DamagedSubmapsAreRefusedOrHarmless) {
   std::vector<std::string> originals = {projective_submap()->to_bytes()};
   for (unsigned seed = 1; seed < 4; ++seed) originals.push_back(random_submap(seed)->to_bytes());
-  for (const std::uint32_t version : {2u, 3u, 4u}) {
-    const auto content = test::random_content(version, 24, 0.02, 0.3, 0.4);
-    originals.push_back(test::OldSubmapBytes(content, version).bytes(0.4, Pose::Identity(), {}));
-  }
   int refused = 0;
   const int done = repeat(1, 400, [&](std::mt19937* rng) {
     const std::string bytes = damaged(rng, originals[(*rng)() % originals.size()]);

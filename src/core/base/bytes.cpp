@@ -63,6 +63,14 @@ ByteReader::ByteReader(const std::string& bytes, std::string what) : bytes_(&byt
   if (stored != checksum(bytes.data(), end_)) fail("is truncated or corrupt (checksum differs)");
 }
 
+void ByteReader::check_header(const Format& format) {
+  if (get<std::uint32_t>() != format.magic) fail(std::string("is not ") + format.name);
+  const auto version = get<std::uint32_t>();
+  if (version == format.version) return;
+  fail("has version " + std::to_string(version) + " of its format; this program reads version " +
+       std::to_string(format.version) + " only");
+}
+
 std::uint64_t ByteReader::get_count(std::size_t item_size) {
   const auto count = get<std::uint64_t>();
   if (item_size > 0 && count > remaining() / item_size) fail("announces more items than it holds");

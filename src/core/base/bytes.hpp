@@ -12,6 +12,13 @@ namespace voxnav::base {
 /// CRC-32 (IEEE 802.3) of a byte range.
 std::uint32_t crc32(const char* data, std::size_t size);
 
+/// How the bytes of a file or message of ours begin: with eight bytes that say what they hold and in which form.
+struct Format {
+  std::uint32_t magic;
+  std::uint32_t version;
+  const char* name;  ///< with its article, as in "is not a voxnav submap"
+};
+
 /// Appends plain values to a byte string. Little-endian hosts only (x86-64, arm64).
 class ByteWriter {
  public:
@@ -21,6 +28,10 @@ class ByteWriter {
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
   }
   void put_raw(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
+  void put_header(const Format& format) {
+    put(format.magic);
+    put(format.version);
+  }
   /// Appends the checksum of all that was written and hands the string out.
   std::string finish();
 
@@ -42,6 +53,8 @@ class ByteReader {
     get_raw(&value, sizeof(T));
     return value;
   }
+  /// Skips the header. @throws std::invalid_argument when the bytes hold something else or another version of it
+  void check_header(const Format& format);
   void get_raw(void* data, std::size_t size) {
     if (size > end_ - position_) fail("ends early");
     if (size > 0) std::memcpy(data, bytes_->data() + position_, size);  // `data` of an empty vector may be null

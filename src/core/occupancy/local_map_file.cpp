@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -11,12 +10,9 @@
 namespace voxnav::occupancy {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4D4C5856;  // "VXLM"
-constexpr std::uint32_t kVersion = 4;
-constexpr std::uint32_t kVersionWithoutSeen = 3;    ///< then free space counts as remembered
-constexpr std::uint32_t kVersionWithoutRecent = 2;  ///< leaves end before recent_mean
+constexpr base::Format kFormat{0x4D4C5856, 1, "a voxnav local map"};  // "VXLM"
 
-static_assert(sizeof(SurfaceLeaf) == 32 && offsetof(SurfaceLeaf, recent_mean) == 22, "leaves are written as they are");
+static_assert(sizeof(SurfaceLeaf) == 32, "leaves are written as they are");
 
 void put_config(const LocalMapConfig& config, base::ByteWriter* out) {
   LocalMapConfig::fields(
@@ -42,18 +38,16 @@ void put_block(const OctreeBlock& block, base::ByteWriter* out) {
   }
 }
 
-void get_block(OctreeBlock* block, const LogOddsScale& scale, std::uint32_t version, base::ByteReader* in) {
-  const bool has_recent = version != kVersionWithoutRecent;
-  const std::size_t leaf_bytes = has_recent ? sizeof(SurfaceLeaf) : offsetof(SurfaceLeaf, recent_mean);
+void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* in) {
   block->log_odds = in->get<decltype(block->log_odds)>();
   for (const std::uint8_t level : block->log_odds) {
     if (level > scale.max) in->fail("has a voxel beyond the clamp");
   }
-  if (version == kVersion) block->seen = in->get<VoxelBits>();
+  block->seen = in->get<VoxelBits>();
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
     for_each_bit(block->leaves.bits()[word],
-                 [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), leaf_bytes); });
+                 [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), sizeof(SurfaceLeaf)); });
   }
 }
 
@@ -61,8 +55,7 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, std::uint32_t vers
 
 std::string LocalMap::to_bytes() const {
   base::ByteWriter out;
-  out.put(kMagic);
-  out.put(kVersion);
+  out.put_header(kFormat);
   put_config(config_, &out);
   out.put(window_.is_placed());
   out.put(window_.first_block());
@@ -80,14 +73,12 @@ std::string LocalMap::to_bytes() const {
 
 LocalMap LocalMap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "local map");
-  if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav local map");
-  const auto version = in.get<std::uint32_t>();
-  if (version < kVersionWithoutRecent || version > kVersion) in.fail("has a version this program does not know");
+  in.check_header(kFormat);
   LocalMap map(get_config(&in));
   const bool is_placed = in.get<std::uint8_t>() != 0;
   const auto first = in.get<geometry::Index3>();
   if (is_placed) map.window_.place(first);
-  if (version != kVersionWithoutRecent) map.recent_scans_ = in.get<std::int32_t>();
+  map.recent_scans_ = in.get<std::int32_t>();
   if (map.recent_scans_ < 0 || map.recent_scans_ > SurfaceLeaf::kMaxNumber)
     in.fail("has an impossible number of scans");
   const std::uint64_t count = in.get_count(geometry::kBlockVolume);
@@ -96,7 +87,7 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
     const auto slot = in.get<std::int32_t>();
     if (!is_placed || slot < 0 || slot >= map.window_.num_slots()) in.fail("has a block outside its window");
     OctreeBlock& block = map.window_.ensure(slot, map.scale_.prior);
-    get_block(&block, map.scale_, version, &in);
+    get_block(&block, map.scale_, &in);
     block.leaf_flags(map.levels_, &flags);
     block.refresh(flags);
     block.changed_at = 1;
@@ -117,7 +108,11 @@ LocalMap LocalMap::load(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error("cannot read " + path);
   const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  return from_bytes(bytes);
+  try {
+    return from_bytes(bytes);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path + ": " + error.what());
+  }
 }
 
 }  // namespace voxnav::occupancy

@@ -11,10 +11,7 @@ namespace {
 
 using containers::State;
 
-constexpr std::uint32_t kMagic = 0x434D5856;  // "VXMC"
-constexpr std::uint32_t kVersion = 3;
-constexpr std::uint32_t kVersionWithoutOwnFree = 2;  ///< all free space in one
-constexpr std::uint32_t kVersionWithoutOwn = 1;      ///< all hits of a voxel in one
+constexpr base::Format kFormat{0x434D5856, 1, "a voxnav map content"};  // "VXMC"
 
 /// Voxel by voxel: what `newer` knows wins. O(16^3).
 ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) {
@@ -45,16 +42,11 @@ void put_leaf(const OccupiedLeaf& leaf, base::ByteWriter* out) {
   out->put(leaf.own_time);
 }
 
-OccupiedLeaf get_leaf(std::uint32_t version, base::ByteReader* in) {
+OccupiedLeaf get_leaf(base::ByteReader* in) {
   OccupiedLeaf leaf;
   leaf.offset = in->get<std::uint16_t>();
   leaf.mean = in->get<std::array<std::int8_t, 3>>();
   leaf.hits = in->get<std::uint8_t>();
-  if (version == kVersionWithoutOwn) {
-    leaf.own_mean = leaf.mean;
-    leaf.own_hits = leaf.hits;
-    return leaf;
-  }
   leaf.own_hits = in->get<std::uint8_t>();
   if (leaf.own_hits == 0) return leaf;
   leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
@@ -140,8 +132,7 @@ std::size_t MapContent::memory_bytes() const {
 
 std::string MapContent::to_bytes() const {
   base::ByteWriter out;
-  out.put(kMagic);
-  out.put(kVersion);
+  out.put_header(kFormat);
   out.put(resolution_m);
   out.put<std::uint64_t>(blocks.size());
   for (const ContentBlock& block : blocks) {
@@ -156,9 +147,7 @@ std::string MapContent::to_bytes() const {
 
 MapContent MapContent::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "map content");
-  if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map content");
-  const auto version = in.get<std::uint32_t>();
-  if (version < kVersionWithoutOwn || version > kVersion) in.fail("has a version this program does not know");
+  in.check_header(kFormat);
   MapContent out;
   out.resolution_m = in.get<double>();
   if (!(out.resolution_m > 0.0)) in.fail("has no positive resolution");
@@ -170,10 +159,10 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
     block.index = in.get<geometry::Index3>();
     block.states = in.get<containers::StateBlock>();
     block.occupied.resize(in.get_count(kLeafBytes));
-    for (OccupiedLeaf& leaf : block.occupied) leaf = get_leaf(version, &in);
+    for (OccupiedLeaf& leaf : block.occupied) leaf = get_leaf(&in);
     check_leaves(block, in);
+    block.own_free = get_bits(&in);
     const VoxelBits free = free_bits(block.states);
-    block.own_free = version == kVersion ? get_bits(&in) : free;
     for (std::size_t word = 0; word < free.size(); ++word) {
       if ((block.own_free[word] & ~free[word]) != 0) in.fail("has own free space that is not free");
     }

@@ -12,10 +12,7 @@
 namespace voxnav::submap {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x43535856;  // "VXSC"
-constexpr std::uint32_t kVersion = 3;
-constexpr std::uint32_t kFirstBentVersion = 3;  // before, every submap was rigid
-constexpr std::uint32_t kOldestVersion = 2;
+constexpr base::Format kFormat{0x43535856, 1, "a voxnav map index"};  // "VXSC"
 constexpr std::uint32_t kRecord = 0x43455256;  // "VREC", before every record, so that reading finds its way again
 const char* const kIndexName = "index.vxi";
 
@@ -55,7 +52,7 @@ void put_entry(const SubmapEntry& entry, std::uint32_t sum, base::ByteWriter* ou
   }
 }
 
-SubmapEntry get_entry(std::uint32_t version, base::ByteReader* in, std::uint32_t* sum) {
+SubmapEntry get_entry(base::ByteReader* in, std::uint32_t* sum) {
   SubmapEntry entry;
   entry.id = in->get<std::uint32_t>();
   entry.flight = in->get<std::uint32_t>();
@@ -64,10 +61,8 @@ SubmapEntry get_entry(std::uint32_t version, base::ByteReader* in, std::uint32_t
   entry.end_ns = in->get<base::StampNs>();
   entry.T_O_S = get_pose(in);
   entry.T_W_S = get_pose(in);
-  if (version >= kFirstBentVersion) {
-    entry.bend.T_S_begin = get_pose(in);
-    entry.bend.T_S_end = get_pose(in);
-  }
+  entry.bend.T_S_begin = get_pose(in);
+  entry.bend.T_S_end = get_pose(in);
   entry.T_S_B.resize(in->get_count(sizeof(base::StampNs) + 16 * sizeof(double)));
   for (geometry::StampedPose& pose : entry.T_S_B) {
     pose.stamp_ns = in->get<base::StampNs>();
@@ -112,7 +107,6 @@ struct Index {
     SubmapEntry entry;
     std::uint32_t sum = 0;
   };
-  std::uint32_t version = kVersion;
   std::optional<SubmapCollectionConfig> settings;
   std::size_t num_submaps = 0;  ///< as the settings say
   std::vector<Listed> listed;
@@ -125,7 +119,7 @@ void take_record(const std::string& bytes, bool is_first, const std::string& nam
     index->settings = get_settings(&in, &index->num_submaps);
   } else {
     Index::Listed listed;
-    listed.entry = get_entry(index->version, &in, &listed.sum);
+    listed.entry = get_entry(&in, &listed.sum);
     index->listed.push_back(std::move(listed));
   }
   if (in.remaining() != 0) in.fail("has a record of the wrong length");
@@ -159,16 +153,15 @@ Index read_index(const std::string& path, std::vector<std::string>* problems) {
   const std::string bytes = read_file(path);
   std::string problem;
   Index index;
+  std::optional<base::ByteReader> whole;
   try {
-    base::ByteReader in(bytes, path);
-    if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav map index");
-    const auto version = in.get<std::uint32_t>();
-    if (version < kOldestVersion || version > kVersion) in.fail("has a version this program does not know");
-    index.version = version;
+    whole.emplace(bytes, path);
   } catch (const std::invalid_argument& error) {
     if (!problems) throw;
     problem = error.what();
   }
+  // An intact index of another version is not damaged: guessing at its records would give wrong submaps.
+  if (whole) whole->check_header(kFormat);
   read_records(bytes, path, problems ? &problem : nullptr, &index);
   const bool is_whole = index.settings && index.listed.size() == index.num_submaps;
   if (!is_whole && problem.empty()) problem = path + " does not hold what it announces";
@@ -193,8 +186,7 @@ SubmapCollectionConfig settings_of(const Index& index, const std::string& path, 
 void SubmapCollection::save(const std::string& directory) const {
   make_directory(directory);
   base::ByteWriter index;
-  index.put(kMagic);
-  index.put(kVersion);
+  index.put_header(kFormat);
   base::ByteWriter settings;
   put_settings(config_, records_.size(), &settings);
   put_record(&settings, &index);

@@ -112,13 +112,9 @@ class CompressedField {
   double band() const { return band_; }
   std::size_t memory_bytes() const;
 
-  /// Of the form that write() writes, and of the oldest one that read() knows.
-  static constexpr std::uint32_t kVersion = 5;
-  static constexpr std::uint32_t kOldestVersion = 2;
   void write(base::ByteWriter* out) const;
-  /// What older files did not tell from what was remembered is taken for own.
   /// @throws std::invalid_argument when the parts do not fit each other
-  static CompressedField read(base::ByteReader* in, std::uint32_t version);
+  static CompressedField read(base::ByteReader* in);
 
   /// Cells of a block, and voxels of a cell, x fastest.
   static int cell_of(int offset) { return ((offset >> 2) & 3) | ((offset >> 4) & 12) | ((offset >> 6) & 48); }
@@ -181,9 +177,6 @@ class CompressedField {
   void read_blocks(base::ByteReader* in);
   void read_values(base::ByteReader* in);
   void read_own(base::ByteReader* in);
-  void read_old(base::ByteReader* in, std::uint32_t version);
-  void read_old_leaves(base::ByteReader* in, std::uint32_t version);
-  void read_old_own_free(base::ByteReader* in, std::uint32_t version);
   void check(const base::ByteReader& in) const;
   void check_own_free(const base::ByteReader& in) const;
 

@@ -41,19 +41,15 @@ void CompressedField::write(base::ByteWriter* out) const {
   put_all(own_free_, out);
 }
 
-CompressedField CompressedField::read(base::ByteReader* in, std::uint32_t version) {
+CompressedField CompressedField::read(base::ByteReader* in) {
   CompressedField field;
   constexpr double kWidestBand = 6.0;  // as SubmapConfig allows: the windows that distances are derived in hold no more
   field.band_ = in->get<double>();
   if (!(field.band_ >= 1.0 && field.band_ <= kWidestBand)) in->fail("has no usable distance band");
-  if (version < kVersion) {
-    field.read_old(in, version);
-  } else {
-    field.read_blocks(in);
-    field.read_values(in);
-    get_all(in, &field.leaves_);
-    field.read_own(in);
-  }
+  field.read_blocks(in);
+  field.read_values(in);
+  get_all(in, &field.leaves_);
+  field.read_own(in);
   field.check(*in);
   field.link();
   return field;

@@ -11,7 +11,7 @@
 namespace voxnav::submap {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x4D535856;  // "VXSM"
+constexpr base::Format kFormat{0x4D535856, 1, "a voxnav submap"};  // "VXSM"
 constexpr double kFinest_m = 1e-3;
 constexpr double kCoarsest_m = 1e3;
 constexpr double kFarthest_m = 1e7;  // of the grid from the submap frame
@@ -20,8 +20,7 @@ constexpr double kFarthest_m = 1e7;  // of the grid from the submap frame
 
 std::string Submap::to_bytes() const {
   base::ByteWriter out;
-  out.put(kMagic);
-  out.put(CompressedField::kVersion);
+  out.put_header(kFormat);
   out.put(resolution_m_);
   out.put(config_.band_voxels);
   out.put(config_.max_distance_m);
@@ -44,10 +43,7 @@ std::string Submap::to_bytes() const {
 
 std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "submap");
-  if (in.get<std::uint32_t>() != kMagic) in.fail("is not a voxnav submap");
-  const auto version = in.get<std::uint32_t>();
-  if (version < CompressedField::kOldestVersion || version > CompressedField::kVersion)
-    in.fail("has a version this program does not know");
+  in.check_header(kFormat);
   std::shared_ptr<Submap> out(new Submap());
   out->resolution_m_ = in.get<double>();
   if (!(out->resolution_m_ >= kFinest_m && out->resolution_m_ <= kCoarsest_m)) in.fail("has no usable resolution");
@@ -61,7 +57,7 @@ std::shared_ptr<Submap> Submap::from_bytes(const std::string& bytes) {
   if (!geometry::is_valid(out->T_S_G_) || out->T_S_G_.matrix().row(3) != last_row) in.fail("has no valid transform");
   if (out->T_S_G_.translation().cwiseAbs().maxCoeff() > kFarthest_m) in.fail("has a grid that lies too far away");
   out->T_G_S_ = out->T_S_G_.inverse(Eigen::Isometry);
-  CompressedField field = CompressedField::read(&in, version);
+  CompressedField field = CompressedField::read(&in);
   auto surface = std::make_unique<Surface>();
   surface->points.resize(in.get_count(7 * sizeof(float)));
   for (geometry::SurfacePoint& point : surface->points) {

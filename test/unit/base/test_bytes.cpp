@@ -57,3 +57,24 @@ TEST(Bytes, ChecksumOfEveryLengthFollowsItsDefinition) {
 }
 
 TEST(Bytes, ChecksumMatchesThePublishedCheckValue) { EXPECT_EQ(voxnav::base::crc32("123456789", 9), 0xCBF43926u); }
+
+TEST(Bytes, AHeaderSaysWhatTheBytesHoldAndInWhichVersion) {
+  constexpr voxnav::base::Format kSample{0x11223344, 1, "a sample"};
+  const auto refusal = [&](std::uint32_t magic, std::uint32_t version) -> std::string {
+    ByteWriter writer;
+    writer.put_header({magic, version, ""});
+    const std::string bytes = writer.finish();
+    ByteReader reader(bytes, "file.x");
+    try {
+      reader.check_header(kSample);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    EXPECT_EQ(reader.remaining(), 0u);
+    return "";
+  };
+  EXPECT_EQ(refusal(kSample.magic, 1), "");
+  EXPECT_EQ(refusal(1, 1), "file.x is not a sample");
+  EXPECT_EQ(refusal(kSample.magic, 0), "file.x has version 0 of its format; this program reads version 1 only");
+  EXPECT_EQ(refusal(kSample.magic, 7), "file.x has version 7 of its format; this program reads version 1 only");
+}

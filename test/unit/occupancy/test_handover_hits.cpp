@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/bytes.hpp"
 #include "scan_maker.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
@@ -144,26 +143,6 @@ TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
   for (int i = 0; i < 4; ++i) insert_from(&map, kOrigin, {seen});
   insert_from(&map, Vec3(60.2, 0.2, 0.2), {});
   EXPECT_EQ(leaf_at(map.take_evicted(), seen).own_hits, 4);
-}
-
-TEST(HandoverHits, ContentOfBeforeCountsAllHitsAsOwn) {
-  base::ByteWriter old;
-  old.put<std::uint32_t>(0x434D5856);
-  old.put<std::uint32_t>(1);
-  old.put(0.4);
-  old.put<std::uint64_t>(1);
-  old.put(geometry::Index3{1, 2, 3});
-  containers::StateBlock states;
-  states.set(7, State::kOccupied);
-  old.put(states);
-  old.put<std::uint64_t>(1);
-  old.put<std::uint16_t>(7);
-  old.put(std::array<std::int8_t, 3>{10, -20, 30});
-  old.put<std::uint8_t>(9);
-  const MapContent content = MapContent::from_bytes(old.finish());
-  const OccupiedLeaf& leaf = content.blocks.at(0).occupied.at(0);
-  EXPECT_EQ(leaf.own_hits, 9);
-  EXPECT_EQ(leaf.own_mean, leaf.mean);
 }
 
 TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
+#include "other_version.hpp"
 #include "scan_maker.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
@@ -176,6 +178,14 @@ TEST(LocalMap, FileRoundTripAndTruncation) {
     EXPECT_THROW(LocalMap::from_bytes(bytes.substr(0, size)), std::invalid_argument);
   }
   EXPECT_THROW(LocalMap::load("/nonexistent/map"), std::runtime_error);
+}
+
+TEST(LocalMap, AFileOfAnotherVersionIsNamedWithItsVersionAndTheOneThatIsRead) {
+  const std::string path = ::testing::TempDir() + "voxnav_version_4.vxlm";
+  const std::string bytes = test::as_version(4, LocalMap(small_config()).to_bytes());
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+  EXPECT_EQ(test::refusal_of([&] { LocalMap::load(path); }),
+            path + ": local map has version 4 of its format; this program reads version 1 only");
 }
 
 TEST(LocalMap, ResultDoesNotDependOnThreads) {

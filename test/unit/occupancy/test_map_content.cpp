@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "other_version.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -70,6 +71,12 @@ TEST(MapContent, TruncatedBytesAreRefused) {
   for (std::size_t size = 0; size < bytes.size(); size += 97) {
     EXPECT_THROW(MapContent::from_bytes(bytes.substr(0, size)), std::invalid_argument);
   }
+}
+
+TEST(MapContent, BytesOfAnotherVersionAreRefusedWithBothVersions) {
+  const std::string bytes = test::as_version(3, random_content(1).to_bytes());
+  EXPECT_EQ(test::refusal_of([&] { MapContent::from_bytes(bytes); }),
+            "map content has version 3 of its format; this program reads version 1 only");
 }
 
 TEST(MapContent, MergePrefersWhatTheNewerKnows) {

@@ -3,7 +3,6 @@
 
 #include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "old_submap_bytes.hpp"
 #include "submap/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -75,56 +74,6 @@ TEST(OwnSurface, TravelsWithTheSubmap) {
     const Vec3 p = test::random_in(&rng, {-2, -2, -2}, {8, 6, 6});
     ASSERT_EQ(distance_at(a, p), distance_at(b, p));
   }
-}
-
-TEST(OwnSurface, SubmapsOfBeforeAreReadAndCountEverythingAsOwnThatTheyDidNotTell) {
-  auto content = test::random_content(4, 24, 0.02, 0.3, kVoxel);
-  const Pose T_S_G = geometry::from_position_yaw({1, 2, 3}, 0.5);
-  const auto all_own = Submap::from_content(content, T_S_G, {});
-  for (const std::uint32_t version : {2u, 3u, 4u}) {
-    const auto read = Submap::from_bytes(test::OldSubmapBytes(content, version).bytes(kVoxel, T_S_G, {}));
-    EXPECT_EQ(read->to_bytes(), all_own->to_bytes()) << version;
-  }
-  std::mt19937 rng(4);
-  for (occupancy::ContentBlock& block : content.blocks) {
-    for (occupancy::OccupiedLeaf& leaf : block.occupied) {
-      if (rng() % 2 == 0) leaf.own_mean[1] = static_cast<std::int8_t>(leaf.own_mean[1] / 3);
-      if (rng() % 3 == 0) leaf.own_hits = 0;
-      leaf.own_time = leaf.own_hits > 0 ? static_cast<std::uint8_t>(rng()) : 128;
-    }
-  }
-  const auto hits_told = Submap::from_content(content, T_S_G, {});
-  for (occupancy::ContentBlock& block : content.blocks) {
-    for (std::uint64_t& word : block.own_free) word &= ~(rng() & rng());
-  }
-  const auto all_told = Submap::from_content(content, T_S_G, {});
-  const auto read = [&](std::uint32_t version) {
-    return Submap::from_bytes(test::OldSubmapBytes(content, version).bytes(kVoxel, T_S_G, {}))->to_bytes();
-  };
-  EXPECT_EQ(read(2), all_own->to_bytes());
-  EXPECT_EQ(read(3), hits_told->to_bytes());
-  EXPECT_EQ(read(4), all_told->to_bytes());
-}
-
-TEST(OwnSurface, OldSubmapsThatAreBrokenAreRefused) {
-  const std::string bytes =
-      test::OldSubmapBytes(test::random_content(5, 24, 0.02, 0.3, kVoxel), 4).bytes(kVoxel, Pose::Identity(), {});
-  for (std::size_t size = 8; size < bytes.size(); size += 97) {
-    EXPECT_THROW(Submap::from_bytes(sealed(bytes.substr(0, size))), std::invalid_argument);
-  }
-  std::mt19937 rng(10);
-  int refused = 0;
-  for (int i = 0; i < 500; ++i) {
-    std::string broken = bytes;
-    for (unsigned k = 0; k < 1 + rng() % 4; ++k) broken[rng() % broken.size()] = static_cast<char>(rng());
-    try {
-      const auto submap = Submap::from_bytes(sealed(broken));
-      ASSERT_EQ(Submap::from_bytes(submap->to_bytes())->to_bytes(), submap->to_bytes());
-    } catch (const std::invalid_argument&) {
-      ++refused;
-    }
-  }
-  EXPECT_GT(refused, 100);
 }
 
 TEST(OwnSurface, OwnHitsThatMatchNoLeafAreRefused) {

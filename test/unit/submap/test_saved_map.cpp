@@ -2,12 +2,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cstring>
 #include <fstream>
 #include <iterator>
 
-#include "base/bytes.hpp"
 #include "content_builder.hpp"
+#include "other_version.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -48,29 +47,6 @@ std::string read(const std::string& path) {
 
 void write(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
-}
-
-/// An index without bends, as it was written before there were any.
-std::string as_version_2(const std::string& index) {
-  constexpr std::size_t kHeader = 8, kSum = 4, kPoses = 2 * 16 * sizeof(double);
-  constexpr std::size_t kFirstBend = 3 * sizeof(std::uint32_t) + 2 * sizeof(base::StampNs) + kPoses;
-  base::ByteWriter out;
-  out.put_raw(index.data(), sizeof(std::uint32_t));
-  out.put(std::uint32_t{2});
-  for (std::size_t at = kHeader, size = 0; at + kHeader < index.size(); at += kHeader + size) {
-    std::uint32_t bytes = 0;
-    std::memcpy(&bytes, index.data() + at + sizeof(bytes), sizeof(bytes));
-    size = bytes;
-    std::string content = index.substr(at + kHeader, size - kSum);
-    if (at > kHeader) content.erase(kFirstBend, kPoses);  // settings come first
-    base::ByteWriter record;
-    record.put_raw(content.data(), content.size());
-    const std::string sealed = record.finish();
-    out.put_raw(index.data() + at, sizeof(std::uint32_t));
-    out.put(static_cast<std::uint32_t>(sealed.size()));
-    out.put_raw(sealed.data(), sealed.size());
-  }
-  return out.finish();
 }
 
 }  // namespace
@@ -114,17 +90,31 @@ TEST(SavedMap, BendsAreKept) {
   EXPECT_EQ(loaded.find(1)->bend.T_S_end.matrix(), entry.bend.T_S_end.matrix());
 }
 
-TEST(SavedMap, AnIndexFromBeforeBendsHasRigidSubmaps) {
-  const std::string directory = saved("version_2", 3);
+TEST(SavedMap, AnIndexOfAnotherVersionIsNamedWithItsVersionAndTheOneThatIsRead) {
+  const std::string directory = saved("other_index", 2);
   const std::string path = directory + "/index.vxi";
-  write(path, as_version_2(read(path)));
-  const SubmapCollection loaded = SubmapCollection::load(directory);
-  ASSERT_EQ(loaded.size(), 3u);
-  for (const SubmapEntry* entry : loaded.entries()) {
-    EXPECT_EQ(entry->T_W_S.matrix(), entry_of(entry->id).T_W_S.matrix());
-    EXPECT_EQ(entry->T_S_B.size(), 2u);
-    EXPECT_TRUE(entry->bend.is_rigid());
-  }
+  write(path, test::as_version(3, read(path)));
+  const std::string wanted = path + " has version 3 of its format; this program reads version 1 only";
+  EXPECT_EQ(test::refusal_of([&] { SubmapCollection::load(directory); }), wanted);
+  // Recovery is for damage. Records of another version may mean something else, so none of them is taken.
+  std::vector<std::string> problems;
+  EXPECT_EQ(test::refusal_of([&] { SubmapCollection::load(directory, &problems); }), wanted);
+}
+
+TEST(SavedMap, ASubmapFileOfAnotherVersionIsNamedAndCostsThatSubmapAlone) {
+  const std::string directory = saved("other_submap", 1);
+  const std::string intact = entry_of(1).submap->to_bytes();
+  const std::uint32_t sum = base::crc32(intact.data(), intact.size());
+  char name[48];
+  std::snprintf(name, sizeof(name), "/submap_%06u_%08x.vxs", 1u, sum);
+  const std::string path = directory + name;
+  ASSERT_EQ(read(path), intact);
+  write(path, test::as_version(5, intact));
+  const std::string wanted = path + ": submap has version 5 of its format; this program reads version 1 only";
+  EXPECT_EQ(test::refusal_of([&] { SubmapCollection::load(directory); }), wanted);
+  std::vector<std::string> problems;
+  EXPECT_EQ(SubmapCollection::load(directory, &problems).size(), 0u);
+  EXPECT_EQ(problems, std::vector<std::string>{wanted});
 }
 
 TEST(SavedMap, ABrokenEntryCostsThatSubmapAlone) {
