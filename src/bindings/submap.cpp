@@ -12,7 +12,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
-#include "submap/own_surface.hpp"
+#include "submap/registration/own_surface.hpp"
 #include "submap_collection.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "submap/evidence_map.hpp"
+#include "submap/merged/evidence_map.hpp"
 
 namespace voxnav_ros {
 

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "forest_flight.hpp"
-#include "submap/own_surface.hpp"
+#include "submap/registration/own_surface.hpp"
 #include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A submap laid into the grid of the map, in integers and columns, against what it says itself voxel by voxel.
-#include "submap/placed_submap.hpp"
+#include "submap/merged/placed_submap.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "base/processor.hpp"
 #include "content_builder.hpp"
-#include "submap/distance_block.hpp"
+#include "submap/distance/distance_block.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test

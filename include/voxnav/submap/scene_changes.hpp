@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "submap/evidence_map.hpp"
+#include "submap/merged/evidence_map.hpp"
 #include "voxnav/geometry/aabb.hpp"
 
 namespace voxnav::submap {

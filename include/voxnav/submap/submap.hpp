@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "submap/distance_cache.hpp"
+#include "submap/distance/distance_cache.hpp"
 #include "voxnav/geometry/distance_field.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 #include "voxnav/submap/submap_config.hpp"

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "submap/obstacle_map.hpp"
+#include "submap/obstacles/obstacle_map.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/submap/scene_changes.hpp"
 #include "voxnav/submap/submap.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "submap/surface_sampling.hpp"
-#include "submap/thin_leaves.hpp"
+#include "submap/content/thin_leaves.hpp"
+#include "submap/registration/surface_sampling.hpp"
 #include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {

@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "submap/block_marks.hpp"
+#include "submap/merged/block_marks.hpp"
 
 using voxnav::geometry::Index3;
 

@@ -3,7 +3,7 @@
 
 #include "base/bytes.hpp"
 #include "content_builder.hpp"
-#include "submap/own_surface.hpp"
+#include "submap/registration/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
-#include "submap/own_surface.hpp"
+#include "submap/registration/own_surface.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "submap/merged/free_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/lanes.hpp"
+#include "submap/voxel_walk.hpp"
+
+namespace voxnav::submap {
+
+using geometry::Index3;
+using geometry::kBlockSide;
+using geometry::Vec3;
+
+namespace {
+
+using namespace base::lanes;  // NOLINT: the vector types of this file
+
+/// Rows of a block that are laid into rows of a window.
+struct Rows {
+  const std::uint16_t* from;
+  std::uint32_t* to;
+  int row_length;  ///< of the window
+  int count;
+  int up;  ///< voxels
+};
+
+VOXNAV_INLINE void add_rows(Rows rows) {
+  for (; rows.count > 0; --rows.count, rows.from += kBlockSide, rows.to += rows.row_length) {
+    if (rows.up >= 0) {
+      for (int x = 0; x < kBlockSide; ++x) rows.to[x] |= std::uint32_t{rows.from[x]} << rows.up;
+    } else {
+      for (int x = 0; x < kBlockSide; ++x) rows.to[x] |= std::uint32_t{rows.from[x]} >> -rows.up;
+    }
+  }
+}
+void add_rows_plain(const Rows& rows) { add_rows(rows); }
+VOXNAV_WIDE void add_rows_wide(const Rows& rows) { add_rows(rows); }
+
+}  // namespace
+
+// A window has its corner at the border of a block along x, so that rows of blocks are rows of it.
+std::array<Index3, 2> FreeWindow::place(const Eigen::Affine3d& T_G_W, const Index3& block_W) {
+  constexpr double kRounding = 1e-6;  // of the integers, by far
+  const Vec3 corner = T_G_W * Vec3(Vec3(block_W.x, block_W.y, block_W.z) * kBlockSide);
+  const Vec3 side_x = T_G_W.linear().col(0) * kBlockSide;
+  const Vec3 side_y = T_G_W.linear().col(1) * kBlockSide;
+  Vec3 low = corner + side_x.cwiseMin(0.0) + side_y.cwiseMin(0.0);
+  Vec3 high = corner + side_x.cwiseMax(0.0) + side_y.cwiseMax(0.0);
+  low.z() = corner.z() - 1.0;
+  high.z() = corner.z() + kBlockSide;
+  const std::array<Index3, 2> touched = {floor_index(low - Vec3::Constant(kRounding)),
+                                         floor_index(high + Vec3::Constant(kRounding))};
+  low_ = {touched[0].x & ~(kBlockSide - 1), touched[0].y, touched[0].z};
+  num_rows_ = touched[1].y - low_.y + 1;
+  std::fill_n(columns_.begin(), num_rows_ * kRowLength, 0u);
+  origin_ = {fixed_units(corner.x() - low_.x), fixed_units(corner.y() - low_.y), fixed_units(corner.z() - low_.z)};
+  const auto fixed = [](double edges) {
+    return static_cast<std::int32_t>(std::lround(std::ldexp(edges, kCenterShift)));
+  };
+  const Vec3 center = T_G_W * geometry::center_of(geometry::voxel_at(block_W, 0), 1.0);
+  center_ = {fixed(center.x() - low_.x), fixed(center.y() - low_.y)};
+  right_ = {fixed(T_G_W.linear()(0, 0)), fixed(T_G_W.linear()(1, 0))};
+  back_ = {fixed(T_G_W.linear()(0, 1)), fixed(T_G_W.linear()(1, 1))};
+  const Eigen::Matrix3d step = T_G_W.linear() / kUnitsPerEdge;
+  along_x_ = {fixed_units(step(0, 0)), fixed_units(step(1, 0))};
+  along_y_ = {fixed_units(step(0, 1)), fixed_units(step(1, 1))};
+  return touched;
+}
+
+void FreeWindow::take(const Index3& block_G, const Columns& free) {
+  const Index3 first = geometry::voxel_at(block_G, 0) - low_;  // in the window
+  const int first_row = std::max(0, first.y);
+  Rows rows;
+  rows.from = &free[static_cast<std::size_t>((first_row - first.y) * kBlockSide)];
+  rows.to = &columns_[static_cast<std::size_t>(first_row * kRowLength + first.x)];
+  rows.row_length = kRowLength;
+  rows.count = std::min(num_rows_, first.y + kBlockSide) - first_row;
+  rows.up = first.z;
+  (base::is_wide() ? add_rows_wide : add_rows_plain)(rows);
+}
+
+VOXNAV_INLINE void FreeWindow::add_centers(Columns* free) const {
+  constexpr std::int64_t kHalf = kUnitsPerEdge / 2;
+  const std::uint32_t lowest = voxel_at(origin_.z + (kHalf << kUnitShift));
+  const Ints lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Ints lanes_x = center_.x + lane * right_.x, lanes_y = center_.y + lane * right_.y;
+  std::array<std::int32_t, kLanes> from;
+  std::uint16_t* out = free->data();
+  for (int y = 0; y < kBlockSide; ++y) {
+    for (int x = 0; x < kBlockSide; x += kLanes, out += kLanes) {
+      const Ints at_x = lanes_x + (y * back_.x + x * right_.x);
+      const Ints at_y = lanes_y + (y * back_.y + x * right_.y);
+      store((at_y >> kCenterShift) * kRowLength + (at_x >> kCenterShift), from.data());
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        out[i] |= static_cast<std::uint16_t>(columns_[static_cast<std::size_t>(from[i])] >> lowest);
+      }
+    }
+  }
+}
+void FreeWindow::add_centers_plain(Columns* free) const { add_centers(free); }
+VOXNAV_WIDE void FreeWindow::add_centers_wide(Columns* free) const { add_centers(free); }
+
+void FreeWindow::add_to(Columns* free) const { base::is_wide() ? add_centers_wide(free) : add_centers_plain(free); }
+
+}  // namespace voxnav::submap

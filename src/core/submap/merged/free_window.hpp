@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "submap/content/column_block.hpp"
+#include "submap/merged/evidence_leaf.hpp"
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav::submap {
+
+/// The free voxels of a submap that one block of W, and the voxels below it, lie in, as columns side by side: what is
+/// asked for leaf after leaf then takes no look-ups. For submaps that are turned about the vertical only, with voxels
+/// as large as those of W. Places are computed in integers.
+class FreeWindow {
+ public:
+  /// @param T_G_W  from voxel edges to voxel edges
+  /// @param free_of  free voxels of a block of the submap, null when there are none
+  template <class FreeOf>
+  FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of);
+
+  /// Bit 1: the voxel of the submap that holds the point of a leaf is free; bit 0: the one below it is.
+  unsigned at(const PlacedLeaf& leaf) const {
+    const Units3 p = units_of(leaf);
+    const std::uint32_t z = voxel_at(origin_.z + (std::int64_t{p.z} << kUnitShift));
+    return (column(origin_.x + p.x * along_x_.x + p.y * along_y_.x, origin_.y + p.x * along_x_.y + p.y * along_y_.y) >>
+            (z - 1)) &
+           3u;
+  }
+  /// Sets the voxels of the block whose centres lie in free ones.
+  void add_to(Columns* free) const;
+
+ private:
+  static constexpr int kBlocks = 3;  ///< a block that is turned touches no more of them along an axis
+  static constexpr int kRows = 26;
+  static constexpr int kRowLength = kBlocks * geometry::kBlockSide;
+  // Parts of units of the submap.
+  struct Fixed2 {
+    std::int64_t x, y;
+  };
+  struct Fixed3 {
+    std::int64_t x, y, z;
+  };
+
+  std::uint32_t column(std::int64_t x, std::int64_t y) const {
+    return columns_[voxel_at(y) * kRowLength + voxel_at(x)];
+  }
+  /// @return lowest and highest voxel of the submap that is touched
+  std::array<geometry::Index3, 2> place(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W);
+  void take(const geometry::Index3& block_G, const Columns& free);
+  void add_centers(Columns* free) const;
+  void add_centers_plain(Columns* free) const;
+  void add_centers_wide(Columns* free) const;
+
+  // Parts of voxel edges, a number of lanes of which fits into a vector.
+  static constexpr int kCenterShift = 25;
+  struct Center {
+    std::int32_t x, y;
+  };
+
+  Fixed3 origin_;             ///< of the block, from the lowest voxel of the window
+  Fixed2 along_x_, along_y_;  ///< a step of one unit of W
+  Center center_;             ///< of its first voxel
+  Center right_, back_;       ///< a step of one voxel of W along x and y
+  geometry::Index3 low_;      ///< of the window: at the border of a block along x
+  int num_rows_ = 0;
+  std::array<std::uint32_t, kRows * kRowLength> columns_;
+};
+
+template <class FreeOf>
+FreeWindow::FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of) {
+  const auto [first, last] = place(T_G_W, block_W);
+  const geometry::Index3 first_block = geometry::block_of(first), last_block = geometry::block_of(last);
+  for (int z = first_block.z; z <= last_block.z; ++z) {
+    for (int y = first_block.y; y <= last_block.y; ++y) {
+      for (int x = first_block.x; x <= last_block.x; ++x) {
+        const Columns* free = free_of(geometry::Index3{x, y, z});
+        if (free) take({x, y, z}, *free);
+      }
+    }
+  }
+}
+
+}  // namespace voxnav::submap

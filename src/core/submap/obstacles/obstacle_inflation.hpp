@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "submap/merged/evidence_map.hpp"
+
+namespace voxnav::submap {
+
+/// The balls around the surface points of one block: its voxels and 8 around it on every side, one 32-bit word per
+/// column, bit z + 8. A point's ball is computed once, whichever of the 27 blocks it reaches into.
+class BallWindow {
+ public:
+  static constexpr int kHalo = 8;
+  static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
+  /// Balls must stay inside the window.
+  static constexpr double kMaxReach = 7.0;
+
+  /// Adds every voxel whose centre is nearer than `reach` voxel edges to a surface point; up to 2e-5 edges beyond, so
+  /// that rounding never leaves one out. @param reach at most kMaxReach
+  void add_balls(const EvidenceBlock& block, double reach);
+  /// Sets the voxels of the block at `step` (-1, 0, 1 on each axis) from this one's that the balls reach.
+  void copy_to(const geometry::Index3& step, Columns* mask) const;
+
+ private:
+  std::array<std::uint32_t, kSide * kSide> columns_{};
+};
+
+/// The same for any reach, from one block into another that lies `step` blocks away.
+void add_balls(const EvidenceBlock& block, const geometry::Index3& step, double reach, Columns* mask);
+
+}  // namespace voxnav::submap
