@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.hpp"
+#include "base/ply.hpp"
 #include "floors.hpp"
 #include "voxnav/base/stage_statistics.hpp"
 
@@ -21,6 +23,25 @@ py::dict summary(const StageStatistics& s) {
   out["latency_mean_ms"] = s.latency.mean_ms();
   out["latency_p99_ms"] = s.latency.quantile_ms(0.99);
   return out;
+}
+
+void write_ply_points(const std::string& path, const py::array& points, const py::object& colors) {
+  const auto* p = data_of<float>(points, "points", {-1, 3});
+  const auto count = static_cast<std::size_t>(points.shape(0));
+  base::PlyWriter out;
+  if (colors.is_none()) {
+    out.element("vertex", count, {"float x", "float y", "float z"});
+    out.put_raw(p, 3 * count * sizeof(float));
+  } else {
+    const auto rows = py::cast<py::array>(colors);
+    const auto* c = data_of<std::uint8_t>(rows, "colors", {points.shape(0), 3});
+    out.element("vertex", count, {"float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"});
+    for (std::size_t i = 0; i < 3 * count; i += 3) {
+      out.put_raw(p + i, 3 * sizeof(float));
+      out.put_raw(c + i, 3);
+    }
+  }
+  out.save(path);
 }
 
 }  // namespace
@@ -50,6 +71,10 @@ void bind_base(py::module_& m) {
         return out;
       },
       "Resident memory and CPU time of this process.");
+  m.def("write_ply_points", &write_ply_points, py::arg("path"), py::arg("points"), py::arg("colors") = py::none(),
+        "Write points as a binary PLY file.\n\n"
+        "points: (n, 3) float32 [m]; colors: (n, 3) uint8 red, green and blue, or None. Raises RuntimeError naming a\n"
+        "file that cannot be written.");
 }
 
 }  // namespace voxnav::bindings

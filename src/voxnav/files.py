@@ -7,6 +7,7 @@ from typing import Iterable, Sequence
 
 import numpy as np
 
+import voxnav
 from voxnav.array_types import Array, ArrayLike
 
 
@@ -79,21 +80,9 @@ def write_tum(path: str, stamps: Iterable[float], poses: Iterable[Array]) -> Non
             out.write("%.9f %s\n" % (stamp, " ".join("%.9f" % (v + 0.0) for v in (*T[:3, 3], *q))))
 
 
-def write_ply_points(path, points, colors=None):
-    """Binary PLY. points: (n, 3) float32 metres; colors: (n, 3) uint8 or None."""
-    points = np.ascontiguousarray(points, dtype="<f4").reshape(-1, 3)
-    fields = [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]
-    header = ["property float x", "property float y", "property float z"]
+def write_ply_points(path: str, points: ArrayLike, colors: ArrayLike | None = None) -> None:
+    """Binary PLY. points: (n, 3) numbers, metres; colors: (n, 3) red, green and blue from 0 to 255, or None."""
+    points = np.ascontiguousarray(points, dtype=np.float32).reshape(-1, 3)
     if colors is not None:
-        fields += [("red", "u1"), ("green", "u1"), ("blue", "u1")]
-        header += ["property uchar red", "property uchar green", "property uchar blue"]
-    rows = np.empty(len(points), dtype=fields)
-    for axis, name in enumerate("xyz"):
-        rows[name] = points[:, axis]
-    if colors is not None:
-        for channel, name in enumerate(("red", "green", "blue")):
-            rows[name] = colors[:, channel]
-    with open(path, "wb") as out:
-        out.write(("ply\nformat binary_little_endian 1.0\nelement vertex %d\n%s\nend_header\n"
-                   % (len(points), "\n".join(header))).encode("ascii"))
-        out.write(rows.tobytes())
+        colors = np.ascontiguousarray(colors, dtype=np.uint8).reshape(-1, 3)
+    voxnav.write_ply_points(str(path), points, colors)

@@ -77,6 +77,31 @@ TEST(SavedMap, ATruncatedIndexGivesTheSubmapsBeforeItsEnd) {
   EXPECT_GE(last, 5u);
 }
 
+TEST(SavedMap, DirectoriesAboveAreMadeAndAFileInTheWayIsNamed) {
+  const std::string top = new_directory("nested");
+  SubmapCollection collection({});
+  collection.add(entry_of(1));
+  collection.save(top + "/a/b/");
+  EXPECT_EQ(SubmapCollection::load(top + "/a/b").size(), 1u);
+  const std::string file = top + "/a/b/index.vxi";
+  try {
+    collection.save(file);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find(file + ": cannot be created: "), 0u) << error.what();
+  }
+}
+
+TEST(SavedMap, FilesThatNoIndexNamesAreRemovedAndOthersAreNot) {
+  const std::string directory = saved("unlisted", 2);
+  write(directory + "/submap_000009_00000000.vxs", "left over");
+  write(directory + "/notes.txt", "mine");
+  SubmapCollection::load(directory).save(directory);
+  EXPECT_EQ(read(directory + "/submap_000009_00000000.vxs"), "");
+  EXPECT_EQ(read(directory + "/notes.txt"), "mine");
+  EXPECT_EQ(SubmapCollection::load(directory).size(), 2u);
+}
+
 TEST(SavedMap, BendsAreKept) {
   const std::string directory = new_directory("bent");
   SubmapCollection collection({});

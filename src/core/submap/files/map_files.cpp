@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "submap/files/map_files.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <system_error>
 
 namespace voxnav::submap {
 namespace {
@@ -52,10 +52,12 @@ void sync_directory(const std::string& directory) {
 }
 
 void make_directory(const std::string& path) {
-  for (std::size_t slash = path.find('/', 1); slash != std::string::npos; slash = path.find('/', slash + 1)) {
-    ::mkdir(path.substr(0, slash).c_str(), 0755);
-  }
-  if (::mkdir(path.c_str(), 0755) != 0 && errno != EEXIST) fail(path, "cannot be created");
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  // GCC 9 reports an error for a path that ends in a slash although the directory is there afterwards.
+  std::error_code not_there;
+  if (!std::filesystem::is_directory(path, not_there))
+    throw std::runtime_error(path + ": cannot be created: " + (error ? error : not_there).message());
 }
 
 std::string read_file(const std::string& path) {
@@ -65,13 +67,13 @@ std::string read_file(const std::string& path) {
 }
 
 void remove_unlisted(const std::string& directory, const std::set<std::string>& listed) {
-  DIR* handle = ::opendir(directory.c_str());
-  if (!handle) return;
-  while (const dirent* item = ::readdir(handle)) {
-    const std::string name = item->d_name;
-    if (name.compare(0, 7, "submap_") == 0 && listed.count(name) == 0) ::unlink((directory + "/" + name).c_str());
+  // A file that cannot be removed only takes up space, so errors are not reported.
+  std::error_code error;
+  for (std::filesystem::directory_iterator item(directory, error), end; !error && item != end; item.increment(error)) {
+    const std::string name = item->path().filename().string();
+    std::error_code ignored;
+    if (name.compare(0, 7, "submap_") == 0 && listed.count(name) == 0) std::filesystem::remove(item->path(), ignored);
   }
-  ::closedir(handle);
 }
 
 }  // namespace voxnav::submap

@@ -7,6 +7,8 @@
 #include <set>
 #include <unordered_map>
 
+#include "base/ply.hpp"
+
 namespace voxnav::submap {
 namespace {
 
@@ -217,20 +219,23 @@ Color color_of(std::uint32_t submap_id) {
 
 std::string to_ply(const Mesh& mesh) {
   const bool has_colors = mesh.colors.size() == mesh.vertices.size() && !mesh.colors.empty();
-  std::string out = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.vertices.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (has_colors) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  out += "element face " + std::to_string(mesh.triangles.size()) +
-         "\nproperty list uchar uint vertex_indices\nend_header\n";
+  base::PlyWriter out;
+  if (has_colors) {
+    out.element("vertex", mesh.vertices.size(),
+                {"float x", "float y", "float z", "uchar red", "uchar green", "uchar blue"});
+  } else {
+    out.element("vertex", mesh.vertices.size(), {"float x", "float y", "float z"});
+  }
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    out.append(reinterpret_cast<const char*>(mesh.vertices[i].data()), 3 * sizeof(float));
-    if (has_colors) out.append(reinterpret_cast<const char*>(mesh.colors[i].data()), 3);
+    out.put_raw(mesh.vertices[i].data(), 3 * sizeof(float));
+    if (has_colors) out.put(mesh.colors[i]);
   }
+  out.element("face", mesh.triangles.size(), {"list uchar uint vertex_indices"});
   for (const auto& triangle : mesh.triangles) {
-    out.push_back(3);
-    out.append(reinterpret_cast<const char*>(triangle.data()), 3 * sizeof(std::uint32_t));
+    out.put<std::uint8_t>(3);
+    out.put(triangle);
   }
-  return out;
+  return out.finish();
 }
 
 }  // namespace voxnav::submap
