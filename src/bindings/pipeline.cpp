@@ -7,6 +7,7 @@
 namespace voxnav::bindings {
 
 void bind_pipeline(pybind11::module_& m) {
+  bind_navigation_map(m);
   bind_planning_manager(m);
   bind_offline_config(m);
   bind_submap_scheduler(m);

@@ -43,6 +43,23 @@ CorridorResult corridor(const py::object& map, const py::array& points, double r
   return check_corridor(*view, line, radius_m, rule);
 }
 
+void bind_plan_status(py::module_& m) {
+  py::enum_<PlanStatus>(m, "PlanStatus", "Why a search ended as it did.")
+      .value("COMPLETE", PlanStatus::kComplete)
+      .value("PARTIAL_TIMEOUT", PlanStatus::kPartialTimeout)
+      .value("PARTIAL_LIMIT", PlanStatus::kPartialLimit)
+      .value("PARTIAL_BLOCKED", PlanStatus::kPartialBlocked)
+      .value("NO_PATH", PlanStatus::kNoPath)
+      .value("START_BLOCKED", PlanStatus::kStartBlocked)
+      .value("START_UNKNOWN", PlanStatus::kStartUnknown)
+      .value("GOAL_BLOCKED", PlanStatus::kGoalBlocked)
+      .value("GOAL_UNKNOWN", PlanStatus::kGoalUnknown)
+      .value("OUTSIDE_MAP", PlanStatus::kOutsideMap)
+      .value("INVALID_INPUT", PlanStatus::kInvalidInput);
+  m.def(
+      "explain", [](PlanStatus status) { return explain(status); }, py::arg("status"), "One sentence for a person.");
+}
+
 void bind_plan_result(py::module_& m) {
   py::class_<PlanResult>(m, "PlanResult", "What a search found, and why it ended.")
       .def_property_readonly(
@@ -86,6 +103,7 @@ void bind_planning(py::module_& m) {
       .def_property_readonly("resolution_m", &OccupancyView::resolution_m)
       .def("states", &states_at, py::arg("points"),
            "(n,) int8 states (0 unknown, 1 free, 2 occupied) of (n, 3) float32 points in the view's frame [m].");
+  bind_plan_status(m);
   bind_plan_result(m);
   bind_corridor(m);
   bind_config<AStarConfig>(m, "AStarConfig", "Rules and limits of a search.");

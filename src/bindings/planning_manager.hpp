@@ -6,6 +6,7 @@
 namespace voxnav::bindings {
 
 /// Part of the pipeline floor: NavigationMap, the planning manager and its jobs.
+void bind_navigation_map(pybind11::module_& m);
 void bind_planning_manager(pybind11::module_& m);
 
 }  // namespace voxnav::bindings

@@ -4,6 +4,7 @@
 import numpy as np
 
 import voxnav
+from voxnav.planning_manager import Generate, Plan, Publish
 
 LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
 RESOLUTION = 0.4
@@ -48,7 +49,7 @@ class FakeFlight:
         self.known[near] = self.truth[near]
         grid = voxnav.StateGrid.from_array(self.known, self.origin, RESOLUTION)
         self.sequence += 1
-        assert self.map.apply_local(self.sequence, RESOLUTION, **grid.snapshot()) == "applied"
+        assert self.map.apply_local(self.sequence, RESOLUTION, **grid.snapshot()) == voxnav.Applied.APPLIED
 
     def position_at(self, time_s):
         if self.flown is None:
@@ -99,20 +100,21 @@ class FakeFlight:
 
     def do(self, actions):
         for action in actions:
-            self.log.append((action.kind, action.reason))
-            if action.kind not in self.silent:
+            because = getattr(action, "because", None)
+            self.log.append((action.name, because.sentence if because else ""))
+            if action.name not in self.silent:
                 self.do(self.answer(action) or [])
 
     def answer(self, action):
-        problem = "refused for the test" if action.kind in self.fails else ""
-        if action.kind == "plan":
+        problem = "refused for the test" if action.name in self.fails else ""
+        if isinstance(action, Plan):
             outcome = voxnav.run_plan_job(self.planner, self.config, self.map.view(), action.start_O, action.goal_O,
                                           LIMITS)
             return self.manager.plan_done(action.job, outcome, self.now)
-        if action.kind == "generate":
+        if isinstance(action, Generate):
             trajectory = None if problem else self.generate(action)
             return self.manager.generate_done(action.job, problem, trajectory, self.map.view(), self.now)
-        if action.kind == "publish":
+        if isinstance(action, Publish):
             if not problem:
                 self.flown = (action.trajectory.points, action.trajectory.dt_s, self.now)
             return self.manager.publish_done(action.job, problem, self.now)

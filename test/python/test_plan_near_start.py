@@ -25,7 +25,7 @@ def seen_from(vehicle, elevation_deg=45.0, range_m=12.0):
 
 def plan(vehicle, goal, **search):
     nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-20.0))
-    assert nav.apply_local(1, RESOLUTION, **seen_from(vehicle).snapshot()) == "applied"
+    assert nav.apply_local(1, RESOLUTION, **seen_from(vehicle).snapshot()) == voxnav.Applied.APPLIED
     nav.set_vehicle(vehicle)
     nav.set_T_W_O(np.eye(4))
     view = nav.view()

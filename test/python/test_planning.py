@@ -71,7 +71,7 @@ def navigation_map(**config):
     nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(**config))
     local = free_grid((40, 40, 40), (-8.0, -8.0, -8.0))
     assert nav.view() is None
-    assert nav.apply_local(1, 0.4, **local.snapshot()) == "applied"
+    assert nav.apply_local(1, 0.4, **local.snapshot()) == voxnav.Applied.APPLIED
     nav.set_vehicle((0.0, 0.0, 0.0))
     assert nav.view() is None
     nav.set_T_W_O(np.eye(4))
@@ -89,7 +89,7 @@ def test_navigation_map_frees_only_unknown_space_around_the_vehicle():
     states[20, 20, 20] = 2
     states[30:, :, :] = 0
     grid = voxnav.StateGrid.from_array(states, (-8.0, -8.0, -8.0), 0.4)
-    assert nav.apply_local(2, 0.4, **grid.snapshot()) == "applied"
+    assert nav.apply_local(2, 0.4, **grid.snapshot()) == voxnav.Applied.APPLIED
     assert states_of(nav.view(), (-0.2, -0.2, -0.2), (0.2, 0.2, 0.2), (6.0, 0.0, 0.0)) == [1, 2, 0]
 
 
@@ -97,13 +97,13 @@ def test_navigation_map_changes_follow_each_other_without_a_gap():
     nav = navigation_map()
     empty = dict(block_indices=np.zeros((0, 3), dtype=np.int32), states=b"", is_snapshot=False)
     gone = np.array([[0, 0, 0]], dtype=np.int32)
-    assert nav.apply_local(2, 0.4, removed=gone, **empty) == "applied"
+    assert nav.apply_local(2, 0.4, removed=gone, **empty) == voxnav.Applied.APPLIED
     assert states_of(nav.view(), (3.0, 3.0, 3.0), (-3.0, 3.0, 3.0)) == [0, 1]
-    assert nav.apply_local(2, 0.4, removed=gone, **empty) == "ignored"
-    assert nav.apply_local(5, 0.4, removed=gone, **empty) == "needs_snapshot"
-    assert nav.apply_local(3, 0.2, removed=gone, **empty) == "needs_snapshot"
+    assert nav.apply_local(2, 0.4, removed=gone, **empty) == voxnav.Applied.IGNORED
+    assert nav.apply_local(5, 0.4, removed=gone, **empty) == voxnav.Applied.NEEDS_SNAPSHOT
+    assert nav.apply_local(3, 0.2, removed=gone, **empty) == voxnav.Applied.NEEDS_SNAPSHOT
     answers = [nav.apply_local(1, 0.4, removed=gone, **empty) for _ in range(10)]
-    assert answers[0] == "ignored" and answers[-1] == "needs_snapshot", "a source that starts anew is noticed"
+    assert answers[0] == voxnav.Applied.IGNORED and answers[-1] == voxnav.Applied.NEEDS_SNAPSHOT, "a source that starts anew is noticed"
     with pytest.raises(ValueError):
         nav.apply_local(3, 0.4, block_indices=np.array([[0, 0, 0]], dtype=np.int32), states=b"123",
                         removed=gone, is_snapshot=False)

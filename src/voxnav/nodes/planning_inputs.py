@@ -14,6 +14,7 @@ from geometry_msgs.msg import Quaternion, Transform
 from mrs_msgs.msg import ControlManagerDiagnostics, DynamicsConstraints, TrackerCommand, UavState
 from nav_msgs.msg import Odometry
 
+import voxnav
 from voxnav import files
 from voxnav.msg import GridUpdate, NodeDiagnostics, SubmapPoses
 from voxnav.nodes.planning_services import ServiceError, TimedService
@@ -72,7 +73,7 @@ class GridFeed:
     def _receive(self, msg):
         with self._lock:
             self._recent.append(msg)
-            needs_snapshot = self._take(msg) == "needs_snapshot"
+            needs_snapshot = self._take(msg) == voxnav.Applied.NEEDS_SNAPSHOT
             if not needs_snapshot or self._is_fetching or time.monotonic() < self._fetched + SNAPSHOT_INTERVAL_S:
                 return
             self._is_fetching = True
@@ -87,8 +88,8 @@ class GridFeed:
         except ValueError as error:
             self.num_refused += 1
             rospy.logerr_throttle(1.0, "grid update refused: %s", error)
-            return "needs_snapshot"
-        if result == "applied":
+            return voxnav.Applied.NEEDS_SNAPSHOT
+        if result == voxnav.Applied.APPLIED:
             self.frame = msg.header.frame_id
             self._on_applied(msg.header.stamp.to_sec())
         return result
@@ -266,8 +267,8 @@ class PlanningInputs:
             self.num_bad += 1
             return
         with self._lock:
-            self._manager.set_prediction(command.header.stamp.to_sec(), [s.to_sec() for s in prediction.stamps],
-                                         points)
+            self._manager.set_prediction(command.header.stamp.to_sec(),
+                                         np.array([s.to_sec() for s in prediction.stamps]), points)
 
     def _on_submap_poses(self, msg):
         if msg.header.frame_id:

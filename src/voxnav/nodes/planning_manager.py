@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The planning_manager node: rospy around voxnav.PlanningManager, which decides everything."""
+"""The planning_manager node: rospy around voxnav.planning_manager, which decides everything."""
 
 import queue
 import threading
@@ -16,6 +16,7 @@ from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices
+from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
 NAME = "planning_manager"
 # A goal kept on the parameter server is forgotten after this time.
@@ -33,7 +34,7 @@ class Worker:
         try:
             self._queue.put_nowait(action)
         except queue.Full:
-            rospy.logerr_throttle(1.0, "[%s]: %s dropped, the worker is busy", NAME, action.kind)
+            rospy.logerr_throttle(1.0, "[%s]: %s dropped, the worker is busy", NAME, action.name)
 
     def _loop(self):
         while not rospy.is_shutdown():
@@ -48,8 +49,10 @@ class PlanningManagerNode:
         self._config, self._manager_config = node, manager
         self._planner = voxnav.AStarPlanner(planner.search_config())
         self._map = voxnav.NavigationMap(limits)
-        self._manager = voxnav.PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
+        self._manager = PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
         self._lock = threading.RLock()  # guards the manager
+        self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
+                       Hover: self._do_hover}
         self._clock = CycleClock(node.synchronous_lag_s)
         self._waypoints, self._limits, self._last_now = np.zeros((0, 3)), None, 0.0
         self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
@@ -112,17 +115,17 @@ class PlanningManagerNode:
         inputs = self._inputs
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
-        waypoints = self._waypoints if status["goal_W"] is not None else path[:0]
+        waypoints = self._waypoints if status.goal_W is not None else path[:0]
         self._output.publish(self._clock.now(), status, inputs, path, waypoints, position_W)
-        self._keep_goal(status["goal_W"])
+        self._keep_goal(status.goal_W)
         self._report(status)
 
     def _report(self, status):
-        is_hovering = status["reason"].startswith(("hover", "brake", "stuck", "waiting"))
-        self._diagnostics.set_level(NodeDiagnostics.WARN if is_hovering else NodeDiagnostics.OK,
-                                    status["reason"] if is_hovering else "")
+        is_kept_from_flying = status.because.reason.level is Level.WARN
+        self._diagnostics.set_level(NodeDiagnostics.WARN if is_kept_from_flying else NodeDiagnostics.OK,
+                                    status.reason if is_kept_from_flying else "")
         for name in ("num_plans", "num_trajectories", "num_shortened", "num_hovers", "expansions"):
-            self._diagnostics.set_counter(name, status[name])
+            self._diagnostics.set_counter(name, getattr(status, name))
         self._diagnostics.set_counter("num_bad_inputs", self._inputs.num_bad)
         self._diagnostics.set_counter("num_snapshots", self._inputs.local.num_snapshots)
 
@@ -151,26 +154,31 @@ class PlanningManagerNode:
 
     def _dispatch(self, actions):
         for action in actions:
-            if action.kind in ("hover", "publish"):
-                rospy.loginfo("[%s]: %s: %s", NAME, action.kind, action.reason)
+            is_command = isinstance(action, (Hover, Publish))
+            if is_command:
+                rospy.loginfo("[%s]: %s: %s", NAME, action.name, action.because.sentence)
             if self._config.is_synchronous:
                 self._answer(action)
-            elif action.kind in ("hover", "publish"):
+            elif is_command:
                 self._commander.submit(action)
             else:
                 self._thinker.submit(action)
 
     def _answer(self, action):
         """Do what is wanted and tell the manager; whatever goes wrong becomes a reason."""
+        with self._lock:
+            is_wanted = self._manager.is_wanted(action)
+        if not is_wanted:
+            return
         try:
-            with self._diagnostics.time(action.kind):
-                finish = getattr(self, "_do_" + action.kind)(action)
+            with self._diagnostics.time(action.name):
+                finish = self._doers[type(action)](action)
             with self._lock:
                 actions = finish(self._clock.now().to_sec())
         except (ValueError, RuntimeError, rospy.ROSException) as error:
-            rospy.logerr("[%s]: %s failed: %s", NAME, action.kind, error)
+            rospy.logerr("[%s]: %s failed: %s", NAME, action.name, error)
             return
-        self._dispatch(actions or [])
+        self._dispatch(actions)
 
     def _do_plan(self, action):
         view, limits = self._map.view(), self._inputs.limits

@@ -43,15 +43,15 @@ class PlanningOutput:
         self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
 
     def publish(self, stamp, status, inputs, path_O, waypoints_O, position_W):
-        """status: dict of voxnav.PlanningManager.status; paths: (k, 3) in frame O."""
+        """status: of voxnav.planning_manager; paths: (k, 3) in frame O."""
         self._publish_status(status, inputs.map_frame, stamp, position_W)
-        flags = "-id planning_manager -p " + STATE_COLOURS[status["state"]]
-        line = "%s: %s" % (STATE_NAMES[status["state"]], status["reason"])
+        flags = "-id planning_manager -p " + STATE_COLOURS[status.state]
+        line = "%s: %s" % (STATE_NAMES[status.state], status.reason)
         self._display.publish(String(data=flags + line[:MAX_LINE]))
         if self._markers.get_num_connections() == 0:
             return
         O, W = inputs.odometry_frame, inputs.map_frame
-        goal = status["goal_W"]
+        goal = status.goal_W
         self._markers.publish(MarkerArray(markers=[
             marker(O, stamp, "trajectory", Marker.LINE_STRIP, (0.1, 0.9, 0.2, 1.0), 0.12, points_of(path_O)),
             marker(O, stamp, "plan", Marker.LINE_STRIP, (1.0, 0.8, 0.1, 0.8), 0.06, points_of(waypoints_O)),
@@ -60,12 +60,12 @@ class PlanningOutput:
         ]))
 
     def _publish_status(self, status, frame, stamp, position_W):
-        out = PlannerStatus(state=status["state"], reason=status["reason"], plan_status=status["plan_status"],
-                            is_goal_reached=status["is_goal_reached"])
+        out = PlannerStatus(state=status.state, reason=status.reason)
         out.header.frame_id, out.header.stamp = frame, stamp
-        for name in ("expansions", "plan_s", "num_plans", "num_trajectories", "num_shortened", "num_hovers"):
-            setattr(out, name, status[name])
-        goal = status["goal_W"]
+        for name in ("is_goal_reached", "plan_status", "expansions", "plan_s", "num_plans", "num_trajectories",
+                     "num_shortened", "num_hovers"):
+            setattr(out, name, getattr(status, name))
+        goal = status.goal_W
         out.has_goal = goal is not None
         if goal is not None:
             out.goal = Point(*(float(x) for x in goal))

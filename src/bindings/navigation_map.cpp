@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/pipeline/navigation_map.hpp"
+
+#include <memory>
+
+#include "bind_config.hpp"
+#include "grid_update_args.hpp"
+#include "planning_manager.hpp"
+#include "point_lists.hpp"
+
+namespace voxnav::bindings {
+namespace {
+
+using namespace pipeline;  // NOLINT: this file binds that namespace
+using planning::OccupancyView;
+
+std::shared_ptr<OccupancyView> mutable_view(const NavigationMap& map) {
+  // pybind11 holders are not const; nothing bound here changes a view.
+  return std::const_pointer_cast<OccupancyView>(map.view());
+}
+
+template <NavigationMap::Applied (NavigationMap::*kApply)(const containers::GridUpdate&, std::uint32_t, double)>
+NavigationMap::Applied apply(NavigationMap& map, std::uint32_t sequence, double resolution_m,
+                             const py::object& block_indices, const py::buffer& states, const py::object& removed,
+                             bool is_snapshot) {
+  const containers::GridUpdate update = grid_update_from(block_indices, states, removed, is_snapshot);
+  py::gil_scoped_release release;
+  return (map.*kApply)(update, sequence, resolution_m);
+}
+
+}  // namespace
+
+void bind_navigation_map(py::module_& m) {
+  bind_config<NavigationMapConfig>(m, "NavigationMapConfig", "Limits and vehicle footprint of a NavigationMap.");
+  py::enum_<NavigationMap::Applied>(m, "Applied", "What became of a grid update.")
+      .value("APPLIED", NavigationMap::Applied::kApplied)
+      .value("NEEDS_SNAPSHOT", NavigationMap::Applied::kNeedsSnapshot, "A message was missed.")
+      .value("IGNORED", NavigationMap::Applied::kIgnored, "It is older than what is here.");
+  const char* apply_doc =
+      "Apply a GridUpdate message. Returns an Applied.\n\n"
+      "block_indices, removed: (n, 3) or flat integers; states: bytes, 1024 per block. Raises ValueError.";
+  py::class_<NavigationMap>(m, "NavigationMap",
+                            "What the planner flies by, frame O: local map, obstacles of the global map, altitude "
+                            "limits, vehicle. Thread-safe.")
+      .def(py::init<NavigationMapConfig>(), py::arg("config") = NavigationMapConfig{})
+      .def("apply_local", &apply<&NavigationMap::apply_local>, py::arg("sequence"), py::arg("resolution_m"),
+           py::arg("block_indices"), py::arg("states"), py::arg("removed"), py::arg("is_snapshot"), apply_doc)
+      .def("apply_obstacles", &apply<&NavigationMap::apply_obstacles>, py::arg("sequence"), py::arg("resolution_m"),
+           py::arg("block_indices"), py::arg("states"), py::arg("removed"), py::arg("is_snapshot"), apply_doc)
+      .def(
+          "set_T_W_O", [](NavigationMap& map, const py::array& T) { map.set_T_W_O(pose_of(T, "T_W_O")); },
+          py::arg("T_W_O"))
+      .def(
+          "set_vehicle", [](NavigationMap& map, const py::object& p) { map.set_vehicle(vec3_of(p, "position_O")); },
+          py::arg("position_O"))
+      .def("clear_local", &NavigationMap::clear_local)
+      .def("clear_obstacles", &NavigationMap::clear_obstacles)
+      .def("view", &mutable_view, "Snapshot in frame O as an OccupancyView; None until everything is known.");
+}
+
+}  // namespace voxnav::bindings

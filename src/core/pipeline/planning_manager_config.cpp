@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/planning_manager_config.hpp"
+
+namespace voxnav::pipeline {
+
+std::vector<std::string> PlanningManagerConfig::problems() const {
+  std::vector<std::string> out;
+  if (min_corridor_radius_m > corridor_radius_m) {
+    out.emplace_back("min_corridor_radius_m must not be above corridor_radius_m");
+  }
+  return out;
+}
+
+}  // namespace voxnav::pipeline

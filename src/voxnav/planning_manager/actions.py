@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the planning manager wants done. Each action is answered by the call of PlanningManager that it names."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Optional, Union
+
+from voxnav._core import Trajectory
+from voxnav.array_types import Array
+from voxnav.planning_manager.reasons import Because
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Search a way with voxnav.run_plan_job; answered by plan_done."""
+
+    name: ClassVar[str] = "plan"
+    job: int
+    start_O: Array
+    goal_O: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Generate:
+    """Ask the generator for a trajectory; answered by generate_done."""
+
+    name: ClassVar[str] = "generate"
+    job: int
+    waypoints_O: Array
+    start_stamp_s: Optional[float]  # when the vehicle will be at the first waypoint; None: it rests there
+    heading_rad: Optional[float]  # at the last waypoint, frame O; None: any
+
+
+@dataclass(frozen=True, eq=False)
+class Publish:
+    """Hand a trajectory to the tracker, to be flown at once; answered by publish_done."""
+
+    name: ClassVar[str] = "publish"
+    job: int
+    trajectory: Trajectory
+    because: Because
+    is_shortening: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Hover:
+    """Stop now; answered by hover_done. It must not wait behind a search or a generator."""
+
+    name: ClassVar[str] = "hover"
+    because: Because
+    is_repeat: bool = False
+
+
+Action = Union[Plan, Generate, Publish, Hover]
+Job = Union[Plan, Generate, Publish]

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a transition is told beside the state: the time, the inputs, the configuration."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Optional, Tuple, TypeVar
+
+import numpy as np
+
+from voxnav.array_types import Array
+from voxnav.planning_manager.actions import Action
+from voxnav.planning_manager.inputs import Control, Inputs, Limits, Timed, Vehicle
+from voxnav.planning_manager.reasons import Because
+from voxnav.planning_manager.states import Flight, Goal, State
+
+T = TypeVar("T")
+Step = Tuple[State, Tuple[Action, ...]]
+# The map correction may move the goal this far in O before a way to it is planned anew.
+GOAL_SHIFT_M = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """job: number for a job that begins now. What is missing of the inputs raises LookupError where it is needed."""
+
+    now_s: float
+    inputs: Inputs
+    config: Any  # voxnav.PlanningManagerConfig
+    job: int
+
+    @property
+    def vehicle(self) -> Vehicle:
+        return _there(self.inputs.vehicle)
+
+    @property
+    def limits(self) -> Limits:
+        return _there(self.inputs.limits)
+
+    @property
+    def control(self) -> Optional[Timed[Control]]:
+        """None when there are no diagnostics, or old ones."""
+        control = self.inputs.control
+        if control is None or self.now_s - control.stamp_s > self.config.diagnostics_timeout_s:
+            return None
+        return control
+
+    def missing(self) -> Optional[Because]:
+        return self.inputs.missing(self.now_s, self.config)
+
+    def goal_O(self, goal: Goal) -> Array:
+        T_W_O = _there(self.inputs.T_W_O)
+        return np.asarray(T_W_O[:3, :3].T.dot(goal.position_W - T_W_O[:3, 3]))
+
+    def heading_O(self, goal: Goal) -> Optional[float]:
+        if goal.heading_rad is None:
+            return None
+        T_W_O = _there(self.inputs.T_W_O)
+        return math.remainder(goal.heading_rad - math.atan2(T_W_O[1, 0], T_W_O[0, 0]), 2.0 * math.pi)
+
+    def predicted(self, time_s: float) -> Optional[Array]:
+        """Where the vehicle will be, as the tracker has it; None when it does not look that far."""
+        prediction = self.inputs.prediction
+        return None if prediction is None else prediction.value.at(time_s)
+
+    def flown(self, flight: Optional[Flight]) -> Optional[Flight]:
+        """The flight, if the vehicle is still on its way."""
+        return flight if flight is not None and flight.is_flown(self.now_s) else None
+
+    def has_goal_moved(self, flight: Flight, goal: Goal) -> bool:
+        """The map correction has moved the goal so far that the trajectory no longer leads to it."""
+        return bool(np.linalg.norm(flight.goal_O - self.goal_O(goal)) > GOAL_SHIFT_M)
+
+
+def _there(timed: Optional[Timed[T]]) -> T:
+    if timed is None:
+        raise LookupError("an input that a transition needs has not come yet")
+    return timed.value

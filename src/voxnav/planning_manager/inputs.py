@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the planning manager is told of the vehicle and the maps, and what of it is missing."""
+
+from dataclasses import dataclass, field
+from typing import Any, FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
+
+import numpy as np
+
+from voxnav.array_types import Array
+from voxnav.planning_manager.reasons import Because, Reason
+
+T = TypeVar("T")
+# Speed and acceleration, each horizontal, ascending and descending, in pairs [m/s, m/s^2].
+Limits = Tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Timed(Generic[T]):
+    """A value and when it was true [s]."""
+
+    stamp_s: float
+    value: T
+
+
+@dataclass(frozen=True, eq=False)
+class Vehicle:
+    position_O: Array
+    velocity_O: Array
+
+    @property
+    def speed_mps(self) -> float:
+        return float(np.linalg.norm(self.velocity_O))
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Where the tracker will be: times [s], rising, and positions (n, 3) in O."""
+
+    times_s: Sequence[float]
+    positions_O: Array
+
+    def at(self, time_s: float) -> Optional[Array]:
+        """None outside the predicted time."""
+        if len(self.times_s) == 0 or len(self.times_s) != len(self.positions_O):
+            return None
+        if not self.times_s[0] <= time_s <= self.times_s[-1]:
+            return None
+        return np.array([np.interp(time_s, self.times_s, self.positions_O[:, axis]) for axis in range(3)])
+
+
+@dataclass(frozen=True)
+class Control:
+    """What the control manager says of itself and its tracker."""
+
+    is_flying: bool  # normally, neither taking off nor landing
+    accepts_goals: bool  # callbacks are enabled; MRS takes them away while the tracker brakes to hover
+    is_tracking: bool  # the tracker follows a trajectory
+
+    @property
+    def is_free(self) -> bool:
+        return self.is_flying and self.accepts_goals
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames of the local map and of the odometry; None until they are known."""
+
+    map: Optional[str] = None
+    odometry: Optional[str] = None
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """The newest of everything; None until it has come."""
+
+    vehicle: Optional[Timed[Vehicle]] = None
+    prediction: Optional[Timed[Prediction]] = None
+    control: Optional[Timed[Control]] = None
+    limits: Optional[Timed[Limits]] = None
+    T_W_O: Optional[Timed[Array]] = None
+    map_stamp_s: Optional[float] = None
+    frames: Frames = Frames()
+    lost_nodes: FrozenSet[str] = field(default_factory=frozenset)
+
+    @property
+    def is_on_ground(self) -> bool:
+        """Known not to fly."""
+        return self.control is not None and not self.control.value.is_flying
+
+    @property
+    def is_in_air(self) -> bool:
+        """Known to fly."""
+        return self.control is not None and self.control.value.is_flying
+
+    def missing(self, now_s: float, config: Any) -> Optional[Because]:
+        """Why nobody may fly now; None when all is well.
+
+        config: voxnav.PlanningManagerConfig
+        """
+        return (self._missing_vehicle(now_s, config) or self._missing_limits(now_s, config)
+                or self._missing_map(now_s, config))
+
+    def _missing_vehicle(self, now_s: float, config: Any) -> Optional[Because]:
+        old = (_missing(self.vehicle, Reason.NO_ODOMETRY, "odometry", now_s - config.odometry_timeout_s)
+               or _missing(self.control, Reason.NO_DIAGNOSTICS, "control manager diagnostics",
+                           now_s - config.diagnostics_timeout_s))
+        if old is not None or self.control is None:
+            return old
+        if not self.control.value.is_flying:
+            return Because(Reason.NOT_FLYING, "not flying")
+        if not self.control.value.accepts_goals:
+            return Because(Reason.TRACKER_REFUSES, "tracker does not accept goals")
+        return None
+
+    def _missing_limits(self, now_s: float, config: Any) -> Optional[Because]:
+        old = _missing(self.limits, Reason.NO_CONSTRAINTS, "constraints", now_s - config.constraints_timeout_s)
+        if old is not None or self.limits is None:
+            return old
+        if not (np.isfinite(self.limits.value).all() and min(self.limits.value) > 0.0):
+            return Because(Reason.NO_CONSTRAINTS, "constraints are not positive")
+        return _missing(self.prediction, Reason.NO_PREDICTION, "tracker prediction", now_s - config.tracker_timeout_s)
+
+    def _missing_map(self, now_s: float, config: Any) -> Optional[Because]:
+        grid = None if self.map_stamp_s is None else Timed(self.map_stamp_s, None)
+        old = _missing(grid, Reason.NO_MAP, "local map", now_s - config.map_timeout_s)
+        if old is not None:
+            return old
+        if None not in (self.frames.map, self.frames.odometry) and self.frames.map != self.frames.odometry:
+            return Because(Reason.FRAMES_DIFFER, "the local map is in frame %s, the vehicle in %s" % (
+                self.frames.map, self.frames.odometry))
+        oldest_s = now_s - config.correction_timeout_s if config.correction_timeout_s > 0.0 else None
+        old = _missing(self.T_W_O, Reason.NO_CORRECTION, "map correction", oldest_s)
+        if old is not None:
+            return old
+        return Because(Reason.NODE_LOST, min(self.lost_nodes) + " is not running") if self.lost_nodes else None
+
+
+def _missing(value: Optional[Timed[T]], reason: Reason, what: str, oldest_s: Optional[float]) -> Optional[Because]:
+    """oldest_s: None when age does not matter."""
+    if value is None:
+        return Because(reason, "no %s yet" % what)
+    # The age is not told: it would make a new text of every tick.
+    if oldest_s is not None and value.stamp_s < oldest_s:
+        return Because(reason, what + " lost")
+    return None

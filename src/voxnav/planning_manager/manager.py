@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The object around the transitions: keeps the state, the inputs and the counters."""
+
+from dataclasses import replace
+from typing import Any, Iterable, List, Optional, Sequence
+
+import numpy as np
+
+from voxnav._core import PlanOutcome, Trajectory
+from voxnav.array_types import Array
+from voxnav.planning_manager import flying, planning, stopping
+from voxnav.planning_manager.actions import Action, Hover, Plan, Publish
+from voxnav.planning_manager.facts import Facts, Step
+from voxnav.planning_manager.inputs import Control, Frames, Inputs, Limits, Prediction, Timed, Vehicle
+from voxnav.planning_manager.reasons import Because, Reason
+from voxnav.planning_manager.states import Goal, Idle, Moving, Planning, State
+from voxnav.planning_manager.status import Status
+
+MAX_GOAL_DISTANCE_M = 1e5
+CLOCK_JUMP_S = 1.0
+
+
+class PlanningManager:
+    """The states Idle, Planning and Moving, without ROS, threads and clocks.
+
+    It is told the time [s] and what has happened, and answers with the actions to be done. Searching and services run
+    elsewhere; their answers come back by the *_done calls, and answers to jobs that no longer matter are ignored.
+
+    The vehicle always holds a trajectory that ends at rest in known free space; when that is no longer so, the
+    trajectory is shortened, or the vehicle brakes. Whatever is lost (odometry, map, correction, services) leads to
+    hover with a reason; the goal is kept and the flight resumes. Not thread-safe.
+    Source: thesis, section 5.4 (planning manager).
+    """
+
+    def __init__(self, config: Any, min_altitude_m: float, max_altitude_m: float) -> None:
+        """config: voxnav.PlanningManagerConfig; goals outside of the altitudes (frame W) are refused."""
+        self._config, self._altitudes_m = config, (min_altitude_m, max_altitude_m)
+        self._state: State = Idle(Because(Reason.NO_GOAL, "no goal"))
+        self._inputs = Inputs()
+        self._last_now_s: Optional[float] = None
+        self._num_jobs = 0
+        self._status = Status()
+
+    # What is known of vehicle and maps.
+
+    def set_vehicle(self, stamp_s: float, position_O: Sequence[float], velocity_O: Sequence[float]) -> None:
+        vehicle = Vehicle(np.asarray(position_O, dtype=float), np.asarray(velocity_O, dtype=float))
+        self._inputs = replace(self._inputs, vehicle=Timed(stamp_s, vehicle))
+
+    def set_prediction(self, stamp_s: float, times_s: Sequence[float], positions_O: Array) -> None:
+        """positions_O: (n, 3)."""
+        self._inputs = replace(self._inputs, prediction=Timed(stamp_s, Prediction(times_s, positions_O)))
+
+    def set_control(self, stamp_s: float, is_flying: bool, accepts_goals: bool, is_tracking: bool = False) -> None:
+        control = Control(is_flying, accepts_goals, is_tracking)
+        self._inputs = replace(self._inputs, control=Timed(stamp_s, control))
+
+    def set_limits(self, stamp_s: float, values: Limits) -> None:
+        """values: speed and acceleration, each horizontal, ascending, descending, in pairs."""
+        self._inputs = replace(self._inputs, limits=Timed(stamp_s, values))
+
+    def set_T_W_O(self, stamp_s: float, T_W_O: Array) -> None:
+        """T_W_O: (4, 4)."""
+        self._inputs = replace(self._inputs, T_W_O=Timed(stamp_s, T_W_O))
+
+    def set_map_stamp(self, stamp_s: float) -> None:
+        self._inputs = replace(self._inputs, map_stamp_s=stamp_s)
+
+    def set_frames(self, map: str, control: str) -> None:
+        """Frames of the local map and of the odometry; '' where unknown."""
+        self._inputs = replace(self._inputs, frames=Frames(map or None, control or None))
+
+    def set_lost_nodes(self, names: Iterable[str]) -> None:
+        self._inputs = replace(self._inputs, lost_nodes=frozenset(names))
+
+    # Commands.
+
+    def set_goal(self, goal_W: Sequence[float], heading_rad: Optional[float], now_s: float) -> str:
+        """heading_rad: at the goal, frame W; None: any. Why the goal is refused; '' when it is taken."""
+        position = np.asarray(goal_W, dtype=float)
+        if not np.isfinite(position).all() or (heading_rad is not None and not np.isfinite(heading_rad)):
+            return "goal is not finite"
+        if np.linalg.norm(position) > MAX_GOAL_DISTANCE_M:
+            return "goal is more than 100 km from the map's origin"
+        low, high = self._altitudes_m
+        if position[2] < low:
+            return "goal is below the lowest altitude of %.1f m" % low
+        if position[2] > high:
+            return "goal is above the highest altitude of %.1f m" % high
+        self._status.is_goal_reached = False
+        self._take(stopping.accept_goal(self._state, Goal(position, heading_rad), self._facts(now_s)))
+        return ""
+
+    def stop(self, sentence: str, now_s: float) -> List[Action]:
+        """Drops the goal and hovers."""
+        return self._take(stopping.stop(Because(Reason.STOPPED, sentence), self._facts(now_s)))
+
+    # What has happened.
+
+    def frame_jumped(self, sentence: str, now_s: float) -> List[Action]:
+        because = Because(Reason.FRAME_JUMPED, sentence)
+        return self._take(stopping.jump_frame(self._state, because, self._facts(now_s)))
+
+    def tick(self, now_s: float) -> List[Action]:
+        """Main loop, 20 Hz."""
+        has_jumped = self._last_now_s is not None and now_s < self._last_now_s - CLOCK_JUMP_S
+        self._last_now_s = now_s
+        if has_jumped:
+            self._inputs = Inputs()
+            return self._take(stopping.jump_clock(self._state, self._facts(now_s)))
+        return self._take(planning.tick(self._state, self._facts(now_s)))
+
+    def check(self, view: Any, now_s: float) -> List[Action]:
+        """Corridor check, 10 Hz. view: voxnav.OccupancyView; None counts as unsafe."""
+        return self._take(flying.check(self._state, view, self._facts(now_s)))
+
+    def is_wanted(self, action: Action) -> bool:
+        """False for a job that no longer matters: it need not be begun."""
+        return isinstance(action, Hover) or self._is_current(action.job)
+
+    def plan_done(self, job: int, outcome: PlanOutcome, now_s: float) -> List[Action]:
+        if self._is_current(job):
+            self._status.note_search(outcome.plan)
+        return self._take(planning.plan_done(self._state, job, outcome, self._facts(now_s)))
+
+    def generate_done(self, job: int, problem: str, trajectory: Optional[Trajectory], view: Any,
+                      now_s: float) -> List[Action]:
+        """problem: '' on success; view: verifies the trajectory itself, None counts as unsafe."""
+        return self._take(flying.generate_done(self._state, job, trajectory, problem, view, self._facts(now_s)))
+
+    def publish_done(self, job: int, problem: str, now_s: float) -> List[Action]:
+        if self._is_current(job) and not problem:
+            self._status.num_trajectories += 1
+        return self._take(flying.publish_done(self._state, job, problem, self._facts(now_s)))
+
+    def hover_done(self, problem: str, now_s: float) -> List[Action]:
+        return self._take(stopping.hover_answered(self._state, problem, self._facts(now_s)))
+
+    # What it shows.
+
+    @property
+    def status(self) -> Status:
+        state, goal = self._state, self._state.goal
+        return replace(self._status, state=_NUMBERS[type(state)], because=state.because,
+                       goal_W=None if goal is None else goal.position_W)
+
+    def remaining_path(self, now_s: float) -> Array:
+        """(k, 3) rest of the flown trajectory, frame O; (0, 3) at rest."""
+        facts = self._facts(now_s)
+        flight = facts.flown(stopping.flight_of(self._state))
+        if flight is None or self._inputs.vehicle is None:
+            return np.zeros((0, 3))
+        return np.asarray(flight.trajectory.points_from_arc(flight.arc_m(facts.vehicle.position_O, now_s)))
+
+    def _facts(self, now_s: float) -> Facts:
+        return Facts(now_s, self._inputs, self._config, self._num_jobs + 1)
+
+    def _is_current(self, number: int) -> bool:
+        return not isinstance(self._state, Idle) and self._state.job is not None and self._state.job.job == number
+
+    def _take(self, step: Step) -> List[Action]:
+        self._state, actions = step
+        self._status.is_goal_reached |= self._state.because.reason is Reason.REACHED
+        for action in actions:
+            self._num_jobs += not isinstance(action, Hover)
+            self._status.num_plans += isinstance(action, Plan)
+            self._status.num_shortened += isinstance(action, Publish) and action.is_shortening
+            self._status.num_hovers += isinstance(action, Hover) and not action.is_repeat
+        return list(actions)
+
+
+# As in the message PlannerStatus.
+_NUMBERS = {Idle: 0, Planning: 1, Moving: 2}

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Transitions of the main loop and of the search: progress, arrival, planning."""
+
+from dataclasses import replace
+from typing import Optional, Union
+
+import numpy as np
+
+from voxnav._core import PlanOutcome, PlanStatus
+from voxnav.planning_manager.actions import Generate, Plan
+from voxnav.planning_manager.facts import Facts, Step
+from voxnav.planning_manager.reasons import Because, Reason
+from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Progress,
+                                            Publishing, Searching, State)
+from voxnav.planning_manager.stopping import drop_goal, lose, repeat_hover, stop, taken_over, watch
+
+# Moving this far is progress.
+PROGRESS_M = 1.0
+
+
+def tick(state: State, facts: Facts) -> Step:
+    """The main loop: the first of its rules that applies decides."""
+    state = watch(state, facts)
+    theirs = taken_over(state, facts)
+    if theirs is not None:
+        return drop_goal(theirs)
+    if not isinstance(state, Moving) and state.hover is not None and facts.inputs.is_on_ground:
+        state = replace(state, hover=None)  # nobody hovers there
+    stopping = repeat_hover(state, facts)
+    if stopping is not None:
+        return stopping
+    missing = facts.missing()
+    if missing is not None:
+        return lose(state, missing, facts)
+    if state.goal is None:
+        return state, ()
+    if isinstance(state, Idle):
+        state = resume(state, state.goal, facts)
+    arrived = arrival(state, facts)
+    if arrived is not None:
+        return arrived
+    if state.job is not None and facts.now_s - state.job.begin_s > facts.config.job_timeout_s:
+        return fail(state, Because(Reason.NO_ANSWER, _who(state.job) + " does not answer"), facts), ()
+    state = with_progress(state, facts)
+    if is_stuck(state, facts):
+        return stop(Because(Reason.STUCK, "stuck: " + state.because.sentence), facts)
+    return start_plan(state, facts) if is_plan_due(state, facts) else (state, ())
+
+
+def resume(state: Idle, goal: Goal, facts: Facts) -> Planning:
+    """Nothing is missing any more: a goal that was kept is planned for."""
+    return Planning(Because(Reason.RESUMED, "flight resumes"), goal, facts.now_s, hover=state.hover)
+
+
+def arrival(state: Active, facts: Facts) -> Optional[Step]:
+    """None until the vehicle rests at the goal."""
+    distance_m = float(np.linalg.norm(facts.vehicle.position_O - facts.goal_O(state.goal)))
+    is_rest = facts.vehicle.speed_mps < facts.config.rest_speed_mps and facts.flown(state.flight) is None
+    if distance_m > facts.config.goal_tolerance_m or not is_rest:
+        return None
+    return Idle(Because(Reason.REACHED, "goal reached, %.2f m from it" % distance_m)), ()
+
+
+def with_progress(state: Active, facts: Facts) -> Active:
+    position = facts.vehicle.position_O
+    if state.progress is not None and np.linalg.norm(position - state.progress.position_O) < PROGRESS_M:
+        return state
+    return replace(state, progress=Progress(position, facts.now_s))
+
+
+def is_stuck(state: Active, facts: Facts) -> bool:
+    return state.progress is not None and facts.now_s - state.progress.since_s > facts.config.stuck_time_s
+
+
+def is_plan_due(state: Active, facts: Facts) -> bool:
+    """Nothing is on its way, it is time, and what is flown does not lead to the goal already."""
+    if state.job is not None or facts.now_s < state.plan_from_s:
+        return False
+    flight = facts.flown(state.flight)
+    return flight is None or not flight.leads.is_to_goal or facts.has_goal_moved(flight, state.goal)
+
+
+def start_plan(state: Active, facts: Facts) -> Step:
+    """Search from where the vehicle rests, or from where it will be once there is a trajectory."""
+    flight = facts.flown(state.flight)
+    start, stamp_s = facts.vehicle.position_O, None
+    if flight is not None or facts.vehicle.speed_mps > facts.config.rest_speed_mps:
+        stamp_s = facts.now_s + facts.config.planning_budget_s + facts.config.generation_budget_s
+        predicted = facts.predicted(stamp_s)
+        if predicted is None:
+            return fail(state, Because(Reason.PLAN_FAILED, "tracker prediction is too short"), facts), ()
+        start = predicted
+    job = Searching(facts.job, facts.now_s, stamp_s)
+    if flight is None:
+        state = at_rest(state, state.because)
+    return replace(state, job=job), (Plan(facts.job, start, facts.goal_O(state.goal)),)
+
+
+def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> Step:
+    """What may be flown of a search goes to the generator, if it is worth flying."""
+    if isinstance(state, Idle) or not isinstance(state.job, Searching) or state.job.job != number:
+        return state, ()
+    start_stamp_s = state.job.start_stamp_s
+    state = replace(state, job=None)
+    waypoints = outcome.waypoints_O
+    if len(waypoints) == 0:
+        if is_final(state, outcome, facts):
+            return stop(Because(Reason.UNREACHABLE, "goal cannot be reached: " + outcome.problem), facts)
+        return fail(state, Because(Reason.PLAN_FAILED, outcome.problem), facts), ()
+    if not is_worth_flying(state, outcome, facts):
+        return replace(state, plan_from_s=facts.now_s + facts.config.replan_interval_s), ()
+    heading = facts.heading_O(state.goal) if outcome.is_to_goal else None
+    job = Generating(facts.job, facts.now_s, outcome)
+    return replace(state, job=job), (Generate(facts.job, waypoints, start_stamp_s, heading),)
+
+
+def is_final(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
+    """Near a goal that cannot be entered there is nothing left to wait for."""
+    path = outcome.plan.path
+    length_m = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    is_near = len(path) > 0 and length_m < facts.config.min_progress_m
+    return outcome.status == PlanStatus.GOAL_BLOCKED and facts.flown(state.flight) is None and is_near
+
+
+def is_worth_flying(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
+    """A new trajectory replaces one that is still good only if it leads clearly nearer to the goal.
+
+    This keeps the vehicle from dithering between ways of like length.
+    """
+    flight = facts.flown(state.flight)
+    if flight is None or flight.leads.left_m is None or outcome.is_to_goal:
+        return True
+    is_nearer = outcome.left_m < flight.leads.left_m - facts.config.min_progress_m
+    return bool(is_nearer) or facts.has_goal_moved(flight, state.goal)
+
+
+def fail(state: Active, because: Because, facts: Facts) -> Active:
+    """A plan has failed: what is flown goes on, and planning is tried again."""
+    flight = facts.flown(state.flight)
+    from_s = facts.now_s + facts.config.retry_interval_s
+    if flight is None:
+        return replace(at_rest(state, because), job=None, plan_from_s=from_s)
+    return moving(state, because, flight, from_s)
+
+
+def at_rest(state: Active, because: Because) -> Planning:
+    """Planning, with nothing that is flown."""
+    stopping = None if isinstance(state, Moving) else state.hover
+    return Planning(because, state.goal, state.plan_from_s, state.job, None, state.progress, stopping)
+
+
+def moving(state: Active, because: Because, flight: Flight, plan_from_s: float) -> Moving:
+    """Moving along a flight, with no job."""
+    return Moving(because, state.goal, flight, plan_from_s, None, state.progress)
+
+
+def _who(job: Union[Searching, Generating, Publishing]) -> str:
+    return {Searching: "search", Generating: "trajectory generator", Publishing: "trajectory service"}[type(job)]

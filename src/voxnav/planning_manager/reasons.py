@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Why the planning manager is in its state: an enum to decide by, and a sentence for people."""
+
+import enum
+from dataclasses import dataclass
+
+
+class Level(enum.Enum):
+    """How a reason is shown in the diagnostics."""
+
+    OK = 0
+    WARN = 1
+
+
+class Reason(enum.Enum):
+    """Every reason for a state. The value names it in logs; level says how serious it is."""
+
+    NO_GOAL = "no goal"
+    NEW_GOAL = "new goal"
+    RESUMED = "flight resumes"
+    STOPPED = "stopped"
+    REACHED = "goal reached"
+    UNREACHABLE = "goal cannot be reached"
+    STUCK = "stuck"
+    TAKEN_OVER = "taken over"
+    MOVING = "moving"
+    PLAN_FAILED = "no plan"
+    GENERATOR_FAILED = "no trajectory"
+    TRAJECTORY_REFUSED = "trajectory refused"
+    NO_ANSWER = "no answer"
+    SHORTENED = "shortened"
+    BRAKE = "brake"
+    FRAME_JUMPED = "frame jumped"
+    CLOCK_JUMPED = "clock jumped"
+    NO_ODOMETRY = "no odometry"
+    NO_DIAGNOSTICS = "no diagnostics"
+    NOT_FLYING = "not flying"
+    TRACKER_REFUSES = "tracker does not accept goals"
+    NO_CONSTRAINTS = "no constraints"
+    NO_PREDICTION = "no prediction"
+    NO_MAP = "no map"
+    FRAMES_DIFFER = "frames differ"
+    NO_CORRECTION = "no correction"
+    NODE_LOST = "node lost"
+
+    @property
+    def level(self) -> Level:
+        """WARN for everything that keeps the vehicle from flying to its goal."""
+        return Level.OK if self in _USUAL else Level.WARN
+
+
+_USUAL = frozenset((
+    Reason.NO_GOAL, Reason.NEW_GOAL, Reason.RESUMED, Reason.STOPPED, Reason.REACHED, Reason.UNREACHABLE, Reason.MOVING,
+    Reason.PLAN_FAILED, Reason.GENERATOR_FAILED, Reason.TRAJECTORY_REFUSED, Reason.NO_ANSWER, Reason.SHORTENED))
+
+
+@dataclass(frozen=True)
+class Because:
+    """A reason with its sentence."""
+
+    reason: Reason
+    sentence: str
+
+    def with_prefix(self, prefix: str) -> "Because":
+        return Because(self.reason, prefix + self.sentence)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The three states and what each of them holds. All are values: a transition makes new ones."""
+
+from dataclasses import dataclass
+from typing import Optional, Union
+
+from voxnav._core import PlanOutcome, Trajectory
+from voxnav.array_types import Array
+from voxnav.planning_manager.reasons import Because
+
+# The vehicle is looked for this long before and after the time at which the trajectory has it.
+BEHIND_S, AHEAD_S = 1.5, 0.5
+# Tracking lags: the vehicle comes to rest this much after the trajectory does.
+SETTLING_S = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    position_W: Array
+    heading_rad: Optional[float]  # frame W; None: any
+    has_been_free: bool = False  # the vehicle has been free to fly to it; who takes that away takes the vehicle over
+
+
+@dataclass(frozen=True)
+class OwnHover:
+    """A hover that voxnav asked for: wanted until the control manager accepts it, then the tracker brakes."""
+
+    because: Because
+    sent_s: float
+    accepted_s: Optional[float] = None
+
+
+@dataclass(frozen=True, eq=False)
+class Leads:
+    """Where a trajectory leads."""
+
+    radius_m: float  # known free around it
+    is_to_goal: bool
+    left_m: Optional[float]  # way from its end to the goal; None: unknown, any plan is better
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """A trajectory that the tracker has accepted."""
+
+    trajectory: Trajectory
+    begin_s: float
+    leads: Leads
+    goal_O: Array  # where the goal was in O when this was planned
+    asked_s: float  # when the tracker was asked; it began no earlier
+    is_tracked: bool = False  # the tracker has been seen to fly it
+
+    def is_flown(self, now_s: float) -> bool:
+        return now_s < self.begin_s + float(self.trajectory.duration_s) + SETTLING_S
+
+    def arc_m(self, position_O: Array, now_s: float) -> float:
+        """Arc length at which the vehicle is."""
+        t = now_s - self.begin_s
+        return float(self.trajectory.project(position_O, t - BEHIND_S, t + AHEAD_S))
+
+
+@dataclass(frozen=True)
+class Searching:
+    job: int
+    begin_s: float
+    start_stamp_s: Optional[float]  # when the vehicle will be at the start; None: it rests there
+
+
+@dataclass(frozen=True, eq=False)
+class Generating:
+    job: int
+    begin_s: float
+    outcome: PlanOutcome
+
+
+@dataclass(frozen=True, eq=False)
+class Publishing:
+    job: int
+    begin_s: float
+    trajectory: Trajectory
+    leads: Leads
+    because: Because  # of the state once it is flown
+    is_shortening: bool
+
+
+Job = Union[Searching, Generating, Publishing]
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """Where the vehicle last got to, and when."""
+
+    position_O: Array
+    since_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class Idle:
+    """Nothing is flown: there is no goal, or something that a flight needs is missing."""
+
+    because: Because
+    goal: Optional[Goal] = None  # flown to once nothing is missing any more
+    hover: Optional[OwnHover] = None
+
+
+@dataclass(frozen=True, eq=False)
+class Planning:
+    """There is a goal and no trajectory to it, or one that had to be shortened or led to another goal."""
+
+    because: Because
+    goal: Goal
+    plan_from_s: float  # no search begins earlier
+    job: Optional[Job] = None
+    flight: Optional[Flight] = None
+    progress: Optional[Progress] = None
+    hover: Optional[OwnHover] = None
+
+
+@dataclass(frozen=True, eq=False)
+class Moving:
+    """A trajectory towards the goal is flown, and perhaps the next one prepared."""
+
+    because: Because
+    goal: Goal
+    flight: Flight
+    plan_from_s: float
+    job: Optional[Job] = None
+    progress: Optional[Progress] = None
+
+
+Active = Union[Planning, Moving]
+State = Union[Idle, Planning, Moving]
