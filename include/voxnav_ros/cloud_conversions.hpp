@@ -7,6 +7,7 @@
 
 #include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/cloud/point.hpp"
+#include "voxnav/geometry/points_view.hpp"
 
 namespace voxnav_ros {
 
@@ -19,7 +20,7 @@ voxnav::cloud::RawCloudView view_of(const sensor_msgs::PointCloud2& msg);
 /// Cloud of one row with the fields x y z intensity float32 and t uint32 (ns after the stamp).
 sensor_msgs::PointCloud2Ptr to_msg(const std::vector<voxnav::cloud::Point>& points, const std_msgs::Header& header);
 
-/// Cloud of one row with the fields x y z float32. @param xyz  n rows of x, y, z; may be null when n is 0
-sensor_msgs::PointCloud2 xyz_cloud_of(const float* xyz, std::size_t n, const std_msgs::Header& header);
+/// Cloud of one row with the fields x y z float32.
+sensor_msgs::PointCloud2 xyz_cloud_of(const voxnav::geometry::PointsView& points, const std_msgs::Header& header);
 
 }  // namespace voxnav_ros

@@ -19,30 +19,27 @@ struct TimedStatistics : InsertStatistics {
   double seconds = 0.0;
 };
 
-const float* points_of(const py::array& points, const char* name) {
+geometry::PointsView points_of(const py::array& points, const char* name) {
   if (points.ndim() != 2 || (points.shape(1) != 3 && points.shape(1) != 4)) {
     throw py::value_error(std::string(name) + " must be a C-contiguous (n, 3) or (n, 4) array of float32");
   }
-  return data_of<float>(points, name, {-1, points.shape(1)});
+  return {data_of<float>(points, name, {-1, points.shape(1)}), static_cast<std::size_t>(points.shape(0)),
+          static_cast<std::size_t>(points.shape(1))};
 }
 
 TimedStatistics insert(LocalMap& map, const py::array& points_L, const py::array& T_W_L, const py::object& no_returns) {
-  const float* points = points_of(points_L, "points_L");
+  const geometry::PointsView points = points_of(points_L, "points_L");
   const geometry::Pose pose = pose_of(T_W_L, "T_W_L");
-  const float* directions = nullptr;
-  std::size_t num_directions = 0;
+  geometry::PointsView directions;
   py::array array;
   if (!no_returns.is_none()) {
     array = py::cast<py::array>(no_returns);
-    directions = data_of<float>(array, "no_return_directions", {-1, 3});
-    num_directions = static_cast<std::size_t>(array.shape(0));
+    directions = {data_of<float>(array, "no_return_directions", {-1, 3}), static_cast<std::size_t>(array.shape(0)), 3};
   }
-  const auto n = static_cast<std::size_t>(points_L.shape(0));
-  const auto stride = static_cast<std::size_t>(points_L.shape(1));
   TimedStatistics out;
   py::gil_scoped_release release;
   const auto start = std::chrono::steady_clock::now();
-  static_cast<InsertStatistics&>(out) = map.insert(points, n, stride, directions, num_directions, pose);
+  static_cast<InsertStatistics&>(out) = map.insert(points, pose, directions);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
 }

@@ -54,7 +54,7 @@ py::array_t<float> deskew(const py::array& points_L, const py::array& times, con
   const pipeline::SweepMotion motion{pose_of(T_O_L_start, "T_O_L_start"), pose_of(T_O_L_end, "T_O_L_end"),
                                      static_cast<std::uint32_t>(base::from_seconds(duration_s))};
   std::vector<float> out(points, points + 3 * n);
-  pipeline::deskew(out.data(), offsets, static_cast<std::size_t>(n), 3, motion);
+  pipeline::deskew(geometry::view_of_rows(&out), std::vector<std::uint32_t>(offsets, offsets + n), motion);
   return array_from(std::move(out), 3);
 }
 

@@ -59,11 +59,11 @@ sensor_msgs::PointCloud2Ptr to_msg(const std::vector<Point>& points, const std_m
   return msg;
 }
 
-sensor_msgs::PointCloud2 xyz_cloud_of(const float* xyz, std::size_t n, const std_msgs::Header& header) {
+sensor_msgs::PointCloud2 xyz_cloud_of(const voxnav::geometry::PointsView& points, const std_msgs::Header& header) {
   sensor_msgs::PointCloud2 msg;
   msg.header = header;
   msg.height = 1;
-  msg.width = static_cast<std::uint32_t>(n);
+  msg.width = static_cast<std::uint32_t>(points.size());
   msg.point_step = 3 * sizeof(float);
   msg.row_step = msg.width * msg.point_step;
   msg.is_dense = true;
@@ -76,8 +76,10 @@ sensor_msgs::PointCloud2 xyz_cloud_of(const float* xyz, std::size_t n, const std
     field.count = 1;
     msg.fields.push_back(field);
   }
-  msg.data.resize(3 * n * sizeof(float));
-  if (n > 0) std::memcpy(msg.data.data(), xyz, msg.data.size());
+  msg.data.resize(points.size() * msg.point_step);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::memcpy(&msg.data[i * 3 * sizeof(float)], points[i].data(), 3 * sizeof(float));
+  }
   return msg;
 }
 

@@ -86,11 +86,9 @@ class CloudFilterNodelet : public NodeletBase {
     header.stamp = to_ros(to_ns(msg.header.stamp) + result_.sweep_start_ns);
     if (open_beams_.getNumSubscribers() > 0) {
       const auto timer = diagnostics().time("open beams");
-      const auto& directions = open_beams_finder_->find(view);
-      const float* begin = directions.empty() ? nullptr : directions.front().data();
+      const auto directions = voxnav::geometry::view_of(open_beams_finder_->find(view));
       // As a pointer: nodelets of the same manager get it without a copy, and at once.
-      open_beams_.publish(
-          boost::make_shared<const sensor_msgs::PointCloud2>(xyz_cloud_of(begin, directions.size(), header)));
+      open_beams_.publish(boost::make_shared<const sensor_msgs::PointCloud2>(xyz_cloud_of(directions, header)));
     }
     points_.publish(to_msg(result_.points, header));
     if (rejected_.getNumSubscribers() > 0) rejected_.publish(to_msg(result_.ghosts, header));

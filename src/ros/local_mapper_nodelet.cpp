@@ -123,10 +123,10 @@ void LocalMapperNodelet::insert(LocatedScan* scan) {
   {
     const auto timer = diagnostics().time("insert");
     ScanPoints& points = scan->points;
-    pipeline::deskew(points.xyz.data(), points.time_offsets_ns.data(), points.xyz.size() / 3, 3, scan->motion);
+    pipeline::deskew(voxnav::geometry::view_of_rows(&points.xyz), points.time_offsets_ns, scan->motion);
     const std::vector<float> open = open_beams_at(stamp);
-    report(map_->insert(points.xyz.data(), points.xyz.size() / 3, 3, open.data(), open.size() / 3,
-                        pipeline::middle_of(scan->motion)));
+    report(map_->insert(voxnav::geometry::view_of_rows(points.xyz), pipeline::middle_of(scan->motion),
+                        voxnav::geometry::view_of_rows(open)));
     if (config_.vehicle_radius_m > 0.0) map_->mark_free(scan->T_O_B.translation(), config_.vehicle_radius_m);
   }
   diagnostics().add_latency("insert", stamp);
@@ -175,7 +175,7 @@ void LocalMapperNodelet::publish_map(const ros::Time& stamp) {
 void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
   if (is_due(stamp, config_.occupied_period_s, &last_occupied_)) {
     const std::vector<float> points = map_->occupied_points();
-    occupied_.publish(xyz_cloud_of(points.data(), points.size() / 3, header(stamp)));
+    occupied_.publish(xyz_cloud_of(voxnav::geometry::view_of_rows(points), header(stamp)));
   }
   if (octomap_.getNumSubscribers() == 0 || !is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
   const auto timer = diagnostics().time("octomap");

@@ -41,7 +41,7 @@ std::vector<Flown> fly(int num_submaps) {
     const Pose T_W_L = pose_on_ring(1.1 * i);
     const double yaw = std::atan2(T_W_L.linear()(1, 0), T_W_L.linear()(0, 0));
     const std::vector<float> points = test::forest_scan(T_W_L.translation(), yaw, 256);
-    for (int repeat = 0; repeat < 3; ++repeat) map.insert(points.data(), points.size() / 3, 3, T_W_L);
+    for (int repeat = 0; repeat < 3; ++repeat) map.insert(geometry::view_of_rows(points), T_W_L);
     if (i % kScans != kScans - 1) continue;
     const Pose T_W_S = pose_on_ring(1.1 * (i - kScans / 2));
     const occupancy::MapContent content = map.hand_over();

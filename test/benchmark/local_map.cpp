@@ -25,7 +25,7 @@ void insert_voxnav(::benchmark::State& state) {
   for (auto _ : state) {
     geometry::Pose T_W_L = geometry::Pose::Identity();
     T_W_L.translation() = position(i++);
-    ::benchmark::DoNotOptimize(map.insert(scan().data(), scan().size() / 3, 3, T_W_L));
+    ::benchmark::DoNotOptimize(map.insert(geometry::view_of_rows(scan()), T_W_L));
   }
   state.counters["points"] = static_cast<double>(scan().size()) / 3.0;
   state.counters["map_mb"] = static_cast<double>(map.memory_bytes()) * 1e-6;

@@ -26,7 +26,7 @@ geometry::Pose sensor_at(const Vec3& place) {
 
 occupancy::LocalMap make_map() {
   occupancy::LocalMap map{occupancy::LocalMapConfig{}};
-  for (int i = 0; i < 5; ++i) map.insert(scan().data(), scan().size() / 3, 3, sensor_at(position(i)));
+  for (int i = 0; i < 5; ++i) map.insert(geometry::view_of_rows(scan()), sensor_at(position(i)));
   return map;
 }
 
@@ -124,7 +124,7 @@ void window_move(::benchmark::State& state) {
     x += step_m;
     state.ResumeTiming();
     const auto begin = std::chrono::steady_clock::now();
-    map.insert(nullptr, 0, 3, sensor_at({x, 0.0, 2.0}));
+    map.insert({}, sensor_at({x, 0.0, 2.0}));
     longest_s = std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     state.PauseTiming();
     map.take_evicted();

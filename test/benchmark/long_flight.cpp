@@ -57,7 +57,7 @@ struct Process {
       T_O_L = pose_at(kSubmapLength_m * (i + static_cast<double>(scan) / kScans), kSubmapLength_m * count);
       const double yaw = geometry::yaw_of(T_O_L);
       const std::vector<float> points = test::forest_scan(T_O_L.translation(), yaw);
-      for (int repeat = 0; repeat < 2; ++repeat) map.insert(points.data(), points.size() / 3, 3, T_O_L);
+      for (int repeat = 0; repeat < 2; ++repeat) map.insert(geometry::view_of_rows(points), T_O_L);
     }
     const double start_ms = base::thread_cpu_ms();
     submap::SubmapEntry entry;

@@ -112,7 +112,7 @@ inline std::vector<FlownSubmap> forest_flight(int num_submaps, double resolution
     const double x = 1.1 * (is_back ? 2 * turn - i : i);
     const geometry::Pose T_O_L = geometry::from_position_yaw({x, is_back ? 8.0 : 0.0, 3.0}, is_back ? 3.0 : 0.1);
     const std::vector<float> points = forest_scan(T_O_L.translation(), is_back ? 3.0 : 0.1);
-    for (int repeat = 0; repeat < 3; ++repeat) map.insert(points.data(), points.size() / 3, 3, T_O_L);
+    for (int repeat = 0; repeat < 3; ++repeat) map.insert(geometry::view_of_rows(points), T_O_L);
     if (i % kScans == kScans - 1) {
       occupancy::MapContent content = map.take_evicted();
       content.merge(map.hand_over());

@@ -21,7 +21,7 @@ inline occupancy::InsertStatistics insert_from(occupancy::LocalMap* map, const g
   for (const geometry::Vec3& p : points_W) {
     for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(p[axis] - origin[axis]));
   }
-  return map->insert(points.data(), points_W.size(), 3, at(origin.x(), origin.y(), origin.z()));
+  return map->insert(geometry::view_of_rows(points), at(origin.x(), origin.y(), origin.z()));
 }
 
 inline std::vector<geometry::Vec3> random_points(unsigned seed, int n, const geometry::Vec3& center, double reach) {

@@ -13,6 +13,7 @@
 #include "occupancy/ray_marks.hpp"
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/geometry/aabb.hpp"
+#include "voxnav/geometry/points_view.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
 namespace voxnav::occupancy {
@@ -57,12 +58,15 @@ class LocalMap {
  public:
   explicit LocalMap(const LocalMapConfig& config);
 
-  /// Moves the window to the sensor and inserts n points of frame L (x y z first in every `stride` floats).
-  /// @throws std::invalid_argument when the pose is not finite or rigid. O(points + voxels crossed).
-  InsertStatistics insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L);
-  /// The same, and clears no_return_range_m along m unit directions of frame L that returned nothing.
-  InsertStatistics insert(const float* points, std::size_t n, std::size_t stride, const float* no_return_directions,
-                          std::size_t m, const geometry::Pose& T_W_L);
+  /// Moves the window to the sensor and inserts one scan.
+  /// @param points_L         hits, frame L; those that are not finite are left out and counted
+  /// @param T_W_L            the sensor in the frame of the map
+  /// @param no_return_directions_L  directions that returned nothing (any length but zero): no_return_range_m of them
+  /// is free
+  /// @throws std::invalid_argument when the pose is not finite, not rigid or beyond the reach of voxel indices
+  /// O(points + voxels crossed).
+  InsertStatistics insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
+                          const geometry::PointsView& no_return_directions_L = {});
   /// Voxels whose centre lies within `radius_m` become free unless they are occupied: the vehicle stands there.
   std::size_t mark_free(const geometry::Vec3& center, double radius_m);
   /// Sets voxels to log-odds from elsewhere, for example another map; those outside the window are left out. Nothing is
@@ -131,10 +135,10 @@ class LocalMap {
   void move_window(const geometry::Vec3& center, InsertStatistics* statistics);
   void keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* statistics);
   ScanFrame frame_of(const geometry::Pose& T_W_L) const;
-  void collect_points(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame,
-                      InsertStatistics* statistics);
-  void collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L, const ScanFrame& frame);
-  void sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
+  void collect_points(const geometry::PointsView& points_L, const ScanFrame& frame, InsertStatistics* statistics);
+  void collect_no_returns(const geometry::PointsView& directions_L, const geometry::Pose& T_W_L,
+                          const ScanFrame& frame);
+  void sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin);
   void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
   void prefetch(std::uint32_t block) const;

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
-#include "voxnav/geometry/pose.hpp"
+#include "voxnav/geometry/points_view.hpp"
 
 namespace voxnav::pipeline {
 
@@ -17,10 +18,12 @@ struct SweepMotion {
 /// The pose halfway through the sweep.
 geometry::Pose middle_of(const SweepMotion& motion);
 
-/// Moves points of a spinning sensor (x, y, z first in every `stride` floats, each in the sensor frame of its own
-/// time) to the sensor frame halfway through the sweep, in place. Motion is taken as linear in position and slerp in
-/// rotation, in kSteps steps. Points that are not finite stay as they are. O(n).
-void deskew(float* points, const std::uint32_t* time_offsets_ns, std::size_t n, std::size_t stride,
+/// Moves points of a spinning sensor, each in the sensor frame of its own time, to the sensor frame halfway through the
+/// sweep, in place. Motion is taken as linear in position and slerp in rotation, in kDeskewSteps steps. Points that are
+/// not finite stay so. O(points).
+/// @param time_offsets_ns  one per point, after the start of the sweep
+/// @throws std::invalid_argument when there are not as many times as points
+void deskew(const geometry::MutablePointsView& points, const std::vector<std::uint32_t>& time_offsets_ns,
             const SweepMotion& motion);
 constexpr int kDeskewSteps = 64;
 

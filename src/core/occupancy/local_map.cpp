@@ -34,24 +34,19 @@ LocalMap::LocalMap(const LocalMapConfig& config)
       parts_(static_cast<std::size_t>(config_.num_threads)),
       workers_(std::make_unique<base::WorkerPool>(config_.num_threads)) {}
 
-InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride, const geometry::Pose& T_W_L) {
-  return insert(points, n, stride, nullptr, 0, T_W_L);
-}
-
-InsertStatistics LocalMap::insert(const float* points, std::size_t n, std::size_t stride,
-                                  const float* no_return_directions, std::size_t m, const geometry::Pose& T_W_L) {
-  if (stride < 3) throw std::invalid_argument("points need at least x, y, z");
+InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
+                                  const geometry::PointsView& no_return_directions_L) {
   const bool reachable = (T_W_L.translation().array().abs() < kMaxCells * config_.resolution_m).all();
   if (!geometry::is_valid(T_W_L) || !reachable) throw std::invalid_argument("T_W_L is not a usable rigid transform");
   InsertStatistics statistics;
-  statistics.points = n;
+  statistics.points = points_L.size();
   ++sequence_;
   move_window(T_W_L.translation(), &statistics);
   recent_scans_ = std::min(recent_scans_ + 1, SurfaceLeaf::kMaxNumber);
   const ScanFrame frame = frame_of(T_W_L);
-  collect_points(points, n, stride, frame, &statistics);
-  collect_no_returns(no_return_directions, m, T_W_L, frame);
-  sort_ends(points, n, stride, frame);
+  collect_points(points_L, frame, &statistics);
+  collect_no_returns(no_return_directions_L, T_W_L, frame);
+  sort_ends(points_L, frame);
   cast_rays(to_window(T_W_L.translation()));
   update_blocks(frame, &statistics);
   return statistics;
@@ -102,15 +97,17 @@ ScanFrame LocalMap::frame_of(const geometry::Pose& T_W_L) const {
   return frame;
 }
 
-void LocalMap::collect_points(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame,
+void LocalMap::collect_points(const geometry::PointsView& points_L, const ScanFrame& frame,
                               InsertStatistics* statistics) {
+  const std::size_t n = points_L.size();
   const std::size_t num_chunks = (n + ScanPart::kChunk - 1) / ScanPart::kChunk;
   workers_->run([&](int worker) {
     const base::Share chunks = base::share_of(num_chunks, worker, workers_->size());
     const std::size_t begin = chunks.begin * ScanPart::kChunk;
     ScanPart& part = parts_[static_cast<std::size_t>(worker)];
     part.clear();
-    part.add(points + begin * stride, std::min(n, chunks.end * ScanPart::kChunk) - begin, stride, frame);
+    const geometry::PointsView own = points_L.part(begin, std::min(n, chunks.end * ScanPart::kChunk) - begin);
+    part.add(own.data(), own.size(), own.floats_per_point(), frame);
   });
   for (const ScanPart& part : parts_) {
     statistics->rejected_not_finite += part.num_not_finite();
@@ -120,13 +117,13 @@ void LocalMap::collect_points(const float* points, std::size_t n, std::size_t st
   }
 }
 
-void LocalMap::collect_no_returns(const float* directions, std::size_t m, const geometry::Pose& T_W_L,
+void LocalMap::collect_no_returns(const geometry::PointsView& directions_L, const geometry::Pose& T_W_L,
                                   const ScanFrame& frame) {
   no_return_ends_.clear();
   if (config_.no_return_range_m <= 0.0) return;
   const double length = std::min(config_.no_return_range_m, config_.max_range_m) / config_.resolution_m;
-  for (std::size_t i = 0; i < m; ++i) {
-    const geometry::Vec3 direction = Eigen::Map<const geometry::Vec3f>(directions + 3 * i).cast<double>();
+  for (std::size_t i = 0; i < directions_L.size(); ++i) {
+    const geometry::Vec3 direction = directions_L[i].cast<double>();
     const double norm = direction.norm();
     if (!std::isfinite(norm) || norm < kZeroRangeM) continue;
     const geometry::Vec3 way = T_W_L.linear() * direction * (length / norm);
@@ -135,14 +132,15 @@ void LocalMap::collect_no_returns(const float* directions, std::size_t m, const 
 }
 
 /// The image of the beams and the end voxels do not need each other.
-void LocalMap::sort_ends(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
+void LocalMap::sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame) {
   const auto sort = [&] {
     ends_.clear();
     for (const ScanPart& part : parts_) ends_.add(part);
     ends_.finish();
   };
   const auto draw = [&] {
-    beams_.build(points, n, stride, frame.nearest_m, frame.farthest_m, frame.clear_beyond_range);
+    beams_.build(points_L.data(), points_L.size(), points_L.floats_per_point(), frame.nearest_m, frame.farthest_m,
+                 frame.clear_beyond_range);
   };
   workers_->run([&](int worker) {
     if (worker == 0) sort();

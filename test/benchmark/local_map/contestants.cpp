@@ -27,7 +27,7 @@ class Voxnav : public Contestant {
                      scan.points.begin() + static_cast<std::ptrdiff_t>(i) + 3);
     }
   }
-  void insert(const FlightScan& scan) override { map_.insert(points_.data(), points_.size() / 3, 3, scan.T_W_L); }
+  void insert(const FlightScan& scan) override { map_.insert(geometry::view_of_rows(points_), scan.T_W_L); }
   std::size_t memory_bytes() const override { return map_.memory_bytes(); }
   std::optional<double> probability(const Vec3& point) const override {
     const auto log_odds = map_.log_odds(point);

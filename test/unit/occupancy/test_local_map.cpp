@@ -96,14 +96,14 @@ TEST(LocalMap, BadPointsAreCountedAndChangeNothing) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   const std::vector<float> points{nan, 0, 0, 7, 0, inf, 0, 7, 0, 0, 0, 7, 100, 0, 0, 7, 1, 0, 0, 7};
-  const auto statistics = map.insert(points.data(), 5, 4, test::at(0.2, 0.2, 0.2));
+  const auto statistics = map.insert({points.data(), 5, 4}, test::at(0.2, 0.2, 0.2));
   EXPECT_EQ(statistics.rejected_not_finite, 2u);
   EXPECT_EQ(statistics.rejected_too_near, 1u);
   EXPECT_EQ(statistics.far, 1u);
   EXPECT_EQ(statistics.cells_hit, 1u);
   geometry::Pose bad = geometry::Pose::Identity();
   bad.translation().x() = nan;
-  EXPECT_THROW(map.insert(points.data(), 5, 4, bad), std::invalid_argument);
+  EXPECT_THROW(map.insert({points.data(), 5, 4}, bad), std::invalid_argument);
 }
 
 TEST(LocalMap, FarPointsClearUpToTheLongestRayOnly) {
@@ -125,8 +125,8 @@ TEST(LocalMap, BeamsWithoutReturnNeverTouchAnOccupiedVoxel) {
   LocalMap map(config);
   const Vec3 wall(5.0, 0.2, 0.2);
   for (int i = 0; i < 2; ++i) insert_from(&map, kOrigin, {wall});
-  const float directions[3] = {1.0f, 0.0f, 0.0f};
-  for (int i = 0; i < 30; ++i) map.insert(nullptr, 0, 3, directions, 1, test::at(0.2, 0.2, 0.2));
+  const std::vector<geometry::Vec3f> directions{{1.0f, 0.0f, 0.0f}};
+  for (int i = 0; i < 30; ++i) map.insert({}, test::at(0.2, 0.2, 0.2), geometry::view_of(directions));
   EXPECT_EQ(map.state(wall), State::kOccupied);
   EXPECT_EQ(map.state(Vec3(7.0, 0.2, 0.2)), State::kFree);
   EXPECT_EQ(map.state(Vec3(9.0, 0.2, 0.2)), State::kUnknown);

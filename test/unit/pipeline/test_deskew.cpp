@@ -21,7 +21,7 @@ TEST(Deskew, AStillWorldSeenInMotionBecomesStill) {
     points.insert(points.end(), {seen.x(), seen.y(), seen.z(), 7.0f});
     times.push_back(static_cast<std::uint32_t>(i) * 100000);
   }
-  pipeline::deskew(points.data(), times.data(), times.size(), 4, motion);
+  pipeline::deskew({points.data(), times.size(), 4}, times, motion);
   const geometry::Pose T_O_middle = pipeline::middle_of(motion);
   for (std::size_t i = 0; i < times.size(); ++i) {
     const geometry::Vec3f p(points[4 * i], points[4 * i + 1], points[4 * i + 2]);
@@ -32,9 +32,13 @@ TEST(Deskew, AStillWorldSeenInMotionBecomesStill) {
 
 TEST(Deskew, WithoutDurationNothingMoves) {
   std::vector<float> points{1, 2, 3};
-  const std::uint32_t time = 0;
   pipeline::SweepMotion motion;
   motion.T_O_L_end.translation().x() = 5.0;
-  pipeline::deskew(points.data(), &time, 1, 3, motion);
+  pipeline::deskew(geometry::view_of_rows(&points), {0}, motion);
   EXPECT_EQ(points, (std::vector<float>{1, 2, 3}));
+}
+
+TEST(Deskew, EveryPointNeedsATime) {
+  std::vector<float> points{1, 2, 3, 4, 5, 6};
+  EXPECT_THROW(pipeline::deskew(geometry::view_of_rows(&points), {0}, {}), std::invalid_argument);
 }
