@@ -20,47 +20,53 @@ SEED ?= 1
 WORLD ?= forest
 DATA ?= ../shared/data/kitti_0001
 
-.PHONY: all deps build core demo demo-real test bench sanitize lint format clean
+.PHONY: help all deps build flight core demo demo-real test test-install deb bench sanitize lint tidy docs format clean
 
 all: build
+
+help:  ## Lists what can be made.
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## */\t/' | expand -t 16
+	@echo "Variables: JOBS=$(JOBS) SEED=$(SEED) WORLD=$(WORLD) DATA=$(DATA)"
 
 deps:
 	@scripts/dev/install_deps
 
-build: deps
-	@scripts/dev/build_workspace $(WS) $(JOBS)
+build: deps  ## Everything, with the C++ tests, in the workspace build/ws.
+	@scripts/dev/build_workspace $(WS) $(JOBS) all tests
 
-core: deps
+# What flies, without the C++ tests.
+flight: deps
+	@scripts/dev/build_workspace $(WS) $(JOBS) all
+
+core: deps  ## The core, its Python module and its tests without ROS, in build/core.
 	@mkdir -p build
 	@cmake -S . -B build/core -DCMAKE_CXX_COMPILER_LAUNCHER=ccache > build/core-cmake.log || (cat build/core-cmake.log; false)
-	@$(MAKE) --no-print-directory -C build/core -j$(JOBS)
+	@$(MAKE) --no-print-directory -C build/core -j$(JOBS) 2>&1 | scripts/dev/progress core build/core.log || (grep -n error build/core.log; false)
 
-demo: build
+demo: flight  ## Flies a simulated world (WORLD, SEED) and leaves summary and pictures in build/demo.
 	@scripts/dev/in_workspace $(WS) scripts/demo --seed $(SEED) --world $(WORLD) --out build/demo
 
-demo-real: build
+demo-real: flight  ## Maps a recording (DATA: a rosbag, or a folder of raw scans) into build/demo_real.
 	@scripts/dev/in_workspace $(WS) scripts/demo_real --data $(DATA) --out build/demo_real
 
-test: build
+test: build  ## Every test: C++, Python and ROS.
 	@scripts/dev/run_tests $(WS)
 
-bench:
+test-install: deps  ## Installs voxnav in three ways, builds against it and flies from there alone.
+	@scripts/dev/run_install_tests build/install $(JOBS)
+
+deb: deps  ## A Debian package in build/deb.
+	@scripts/dev/build_deb build/deb $(JOBS)
+
+bench:  ## Measures voxnav beside its yardsticks.
 	@scripts/dev/install_deps bench
 	@scripts/dev/run_benchmarks build/bench $(JOBS)
 
-sanitize: deps
+sanitize: deps  ## C++ tests under the address, undefined behaviour and thread sanitizers.
 	@scripts/dev/run_sanitizers build/sanitize $(JOBS)
 
-lint: deps
+lint: deps  ## Formatting, Python style, and rules about the files themselves.
 	@scripts/dev/run_lint
-
-format: deps
-	@git ls-files '*.hpp' '*.cpp' | xargs clang-format -i
-
-clean:
-	rm -rf build
-
-.PHONY: tidy docs
 
 tidy: build  ## clang-tidy on every C++ source; what was clean and has not changed is not looked at again.
 	@scripts/dev/install_deps tidy
@@ -69,3 +75,9 @@ tidy: build  ## clang-tidy on every C++ source; what was clean and has not chang
 docs: build  ## The site of the documentation, in build/docs/html.
 	@scripts/dev/install_deps docs
 	@scripts/dev/in_workspace $(WS) scripts/dev/run_docs build/docs
+
+format: deps  ## Formats the C++ sources.
+	@git ls-files '*.hpp' '*.cpp' | xargs clang-format -i
+
+clean:  ## Deletes everything that was built.
+	rm -rf build

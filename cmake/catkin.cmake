@@ -1,6 +1,6 @@
 # Messages, services and the catkin exports. catkin_python_setup() must come before generate_messages().
 find_package(catkin REQUIRED COMPONENTS
-  roscpp rospy nodelet pluginlib tf2 tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
+  roscpp rospy nodelet pluginlib tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
   visualization_msgs rosgraph_msgs mrs_msgs octomap_msgs message_generation)
 
 catkin_python_setup()
@@ -16,19 +16,7 @@ catkin_package(
   LIBRARIES voxnav_core
   CATKIN_DEPENDS roscpp rospy nodelet tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
     visualization_msgs mrs_msgs octomap_msgs message_runtime
-  DEPENDS EIGEN3)
+  DEPENDS EIGEN3
+  CFG_EXTRAS voxnav-extras.cmake)
 
 set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
-
-set(voxnav_programs planning_manager submap_optimizer map_bag evaluate_alignment merge_maps)
-foreach(program ${voxnav_programs})
-  if(EXISTS ${PROJECT_SOURCE_DIR}/scripts/${program})
-    catkin_install_python(PROGRAMS scripts/${program} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-  endif()
-endforeach()
-foreach(directory launch config rviz tmux worlds)
-  # With the slash: a linked directory is installed as what it holds.
-  install(DIRECTORY ${directory}/ DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/${directory})
-endforeach()
-install(FILES nodelets.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-install(DIRECTORY include/ DESTINATION include)

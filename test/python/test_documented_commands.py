@@ -25,6 +25,10 @@ INLINE = re.compile(r"`((?:make|roslaunch|rosservice|catkin|cmake|pre-commit|scr
 # that stands there.
 TESTS = {
     "catkin build voxnav": ("scripts/dev/build_workspace", "catkin_make"),  # the same package, in a workspace
+    "catkin test voxnav": ("scripts/dev/run_tests", "ctest"),  # the tests that it runs
+    "catkin config --install": ("scripts/dev/run_install_tests", "catkin_make install"),
+    "cmake --install": ("scripts/dev/run_install_tests", "cmake --install"),
+    ". /opt/voxnav/setup.bash": ("scripts/dev/build_deb", "-DCMAKE_INSTALL_PREFIX=/opt/voxnav"),
     "rosservice call /uav1/planning_manager/goto": ("test/rostest/planning_manager_test.py", "planning_manager/goto"),
     "rosservice call /uav1/planning_manager/stop": ("test/rostest/planning_manager_test.py", "planning_manager/stop"),
     "pre-commit install": ("test/lint/test_hooks.py", ".pre-commit-config.yaml"),
@@ -62,7 +66,7 @@ def check_make(words):
     programs = set(re.findall(r"scripts/[\w/]+", plan))
     for program in programs:
         assert os.access(os.path.join(ROOT, program), os.X_OK), "%s: %s cannot be run" % (words, program)
-    assert programs or re.search(r"^(cmake|git ls-files|rm -rf build)", plan, re.MULTILINE), plan
+    assert programs or re.search(r"^(cmake|git ls-files|rm -rf build|grep)", plan, re.MULTILINE), plan
 
 
 def check_script(words):

@@ -15,6 +15,7 @@ from voxnav.alignment.flight import kept_flight, world_of
 from voxnav.alignment.measure import Errors, aligned_surface, merged_surface, own_surface, solve, surface_share
 from voxnav.alignment.pictures import draw_errors, draw_trunks
 from voxnav.alignment.scenarios import SCENARIOS, Scenario
+from voxnav.plotting import require_pictures
 
 _DEFAULT = [name for name in SCENARIOS if name != "long"]
 # Worse by less than this is noise of the measurement, not a bend.
@@ -89,6 +90,7 @@ def _print_never_worse(results: list[dict[str, Any]]) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
+    require_pictures()
     os.makedirs(args.out, exist_ok=True)
     results = []
     for name in args.scenarios:

@@ -18,6 +18,7 @@ from voxnav.alignment.pictures import draw_places
 from voxnav.alignment.scenarios import Scenario
 from voxnav.array_types import Array
 from voxnav.optimizer_session import SubmapRecord
+from voxnav.plotting import require_pictures
 
 _RING = [(2.0, -13.0), (37.0, -13.0), (37.0, 13.0), (2.0, 13.0)]
 _NEW_PLACE = (30.0, 2.0, 1.2)  # x, y, heading
@@ -104,6 +105,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--drift", type=float, default=1.0, help="peak [m], default %(default)s")
     parser.add_argument("--out", default=os.path.join("build", "ghosts"), help="for pictures, default %(default)s")
     args = parser.parse_args(argv)
+    require_pictures()
     os.makedirs(args.out, exist_ok=True)
     print("seed  poses      old truck left  static lost  listed where the truck was, is, and elsewhere (voxels)")
     for seed in args.seeds:

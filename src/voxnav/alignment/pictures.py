@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of an evaluated flight."""
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-from voxnav.evaluation import align_se3  # noqa: E402
+from voxnav.evaluation import align_se3
+from voxnav.plotting import pyplot
 
 
 def draw_errors(path, title, flight, solved):
     """Tracks from above, and the error of each axis over time before and after."""
-    figure, axes = plt.subplots(1, 2, figsize=(13, 5))
+    figure, axes = pyplot().subplots(1, 2, figsize=(13, 5))
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
     for T, colour, label in ((flight.T_O_B[rows], "tab:orange", "before"), (solved.T_W_B, "tab:blue", "after")):
         R, t = align_se3(T[:, :3, 3], solved.T_true[:, :3, 3])
@@ -32,7 +29,7 @@ def draw_errors(path, title, flight, solved):
 
 def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
     """Surfaces between knee and crown around a place from above. surfaces: dict of title -> (n, 3) aligned points."""
-    figure, axes = plt.subplots(1, len(surfaces), figsize=(7 * len(surfaces), 7))
+    figure, axes = pyplot().subplots(1, len(surfaces), figsize=(7 * len(surfaces), 7))
     trunks = world.trunks()
     for ax, (title, points) in zip(axes, surfaces.items()):
         height = points[:, 2] - world.ground_height(points[:, 0], points[:, 1])
@@ -42,7 +39,7 @@ def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
             share = 1.8 / max(trunks.top[k, 2] - trunks.ground[k, 2], 1.8)
             at = trunks.ground[k, :2] + share * (trunks.top[k] - trunks.ground[k])[:2]
             if np.all(np.abs(at - center) < half_width_m):
-                ax.add_patch(plt.Circle(at, trunks.radius_ground_m[k], fill=False, color="black"))
+                ax.add_patch(pyplot().Circle(at, trunks.radius_ground_m[k], fill=False, color="black"))
         ax.set(title=title, xlabel="x [m]", ylabel="y [m]", aspect="equal",
                xlim=center[0] + half_width_m * np.array([-1, 1]), ylim=center[1] + half_width_m * np.array([-1, 1]))
         ax.legend(loc="upper right", fontsize=8)
@@ -52,8 +49,8 @@ def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
 def draw_places(path, maps, world):
     """What maps hold between knee and crown around some places. maps: dict of title -> ((n, 3) aligned points, list of
     (4, 2) corners of the places)."""
-    figure, axes = plt.subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
-                                constrained_layout=True)
+    figure, axes = pyplot().subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
+                                     constrained_layout=True)
     everywhere = np.concatenate([corners for _, places in maps.values() for corners in places])
     low, high = everywhere.min(axis=0) - 6.0, everywhere.max(axis=0) + 6.0
     for ax, (title, (points, places)) in zip(axes, maps.items()):
@@ -61,15 +58,15 @@ def draw_places(path, maps, world):
         near = np.all((points[:, :2] > low) & (points[:, :2] < high), axis=1) & (height > 0.5) & (height < 3.5)
         dots = ax.scatter(points[near, 0], points[near, 1], s=5, c=height[near], cmap="viridis", vmin=0.5, vmax=3.5)
         for corners, colour in zip(places, ("tab:red", "tab:green")):
-            ax.add_patch(plt.Polygon(corners, fill=False, color=colour))
+            ax.add_patch(pyplot().Polygon(corners, fill=False, color=colour))
         ax.set(title=title, xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=(low[0], high[0]),
                ylim=(low[1], high[1]))
     figure.colorbar(dots, ax=axes, label="height above ground [m]")
     figure.savefig(path, dpi=90)
-    plt.close(figure)
+    pyplot().close(figure)
 
 
 def _save(figure, path):
     figure.tight_layout()
     figure.savefig(path, dpi=90)
-    plt.close(figure)
+    pyplot().close(figure)

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of a flight."""
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
+from voxnav.plotting import pyplot
 
 # The bands of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
 _SURFACE_BAND_M, _OBSTACLE_BAND_M = 1.2, 0.4
@@ -43,7 +40,7 @@ def top_view(path, record, trunks=None):
 
     trunks: (n, 3) x y radius in metres of the simulated world's trunks, drawn as truth, or None.
     """
-    figure, axes = plt.subplots(figsize=(14, 8))
+    figure, axes = pyplot().subplots(figsize=(14, 8))
     level_m = _flight_level(record)
     obstacles, surface = record.obstacle_points, record.surface_points
     if level_m is not None:
@@ -56,7 +53,7 @@ def top_view(path, record, trunks=None):
         _scatter_heights(figure, axes, surface, 4.0)
     if trunks is not None:
         for x, y, radius in trunks:
-            axes.add_patch(plt.Circle((x, y), max(radius, 0.15), edgecolor="red", facecolor="none", zorder=3))
+            axes.add_patch(pyplot().Circle((x, y), max(radius, 0.15), edgecolor="red", facecolor="none", zorder=3))
         axes.plot([], [], "o", markeredgecolor="red", markerfacecolor="none", label="true trunks")
     _draw_tracks(axes, record)
     axes.set_aspect("equal")
@@ -67,4 +64,4 @@ def top_view(path, record, trunks=None):
         axes.legend(loc="upper left", fontsize=8)
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=110, bbox_inches="tight")
-    plt.close(figure)
+    pyplot().close(figure)

@@ -2,9 +2,11 @@
 """rviz beside a demonstration, and its picture."""
 
 import os
+import shutil
 import time
 
-from voxnav.demo import processes
+from voxnav.demo import pictures, processes
+from voxnav.plotting import PicturesUnavailable
 
 
 class Rviz:
@@ -15,6 +17,9 @@ class Rviz:
 
     def __init__(self, env, config, log):
         self.problem, self._screen, self._rviz = "", None, None
+        if shutil.which("rviz") is None:
+            self.problem = "rviz is not installed: no picture of it"
+            return
         self._display = os.environ.get("DISPLAY")
         if not self._display:
             self._screen, self._display = processes.virtual_screen()
@@ -44,15 +49,17 @@ def show(args, env, record, rviz, rviz_config, trunks=None):
 
     rviz: the running one, or None to start one now with rviz_config.
     """
-    from voxnav.demo import pictures
-
-    pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
+    notes = []
+    try:
+        pictures.top_view(os.path.join(args.out, "top_view.png"), record, trunks)
+    except PicturesUnavailable as error:
+        notes.append(str(error))
     if args.no_rviz:
-        return []
+        return notes
     note = _picture(rviz or Rviz(env, rviz_config, os.path.join(args.out, "rviz.log")), args.out)
     if note:  # rviz itself sometimes dies as it starts
         note = _picture(Rviz(env, rviz_config, os.path.join(args.out, "rviz_again.log")), args.out)
-    return [note] if note else []
+    return notes + [note] if note else notes
 
 
 def _picture(rviz, out):

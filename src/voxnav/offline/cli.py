@@ -133,6 +133,6 @@ def main(argv=None):
         print("%s = %.3f" % (name, value))
     for warning in metrics["warnings"][:10]:
         print("warning: " + warning)
-    print("%d scans, %d submaps; everything is in %s, begin with report.html" % (
+    print("%d scans, %d submaps; everything is in %s, begin with report.html or metrics.json" % (
         metrics["counts"]["scans"], metrics["counts"]["submaps"], args.out))
     return 0

@@ -8,6 +8,7 @@ import numpy as np
 
 from voxnav import evaluation, files
 from voxnav.offline.report import write_report
+from voxnav.plotting import PicturesUnavailable
 
 
 def write_outputs(mapper, directory, title, safety_distance_m, write_mesh, reference=None):
@@ -38,8 +39,11 @@ def write_outputs(mapper, directory, title, safety_distance_m, write_mesh, refer
         metrics["errors"] = _errors(reference, mapper.stamps, odometry, stamps, optimised)
     with open(os.path.join(directory, "metrics.json"), "w") as out:
         json.dump(metrics, out, indent=2, sort_keys=True)
-    write_report(os.path.join(directory, "report.html"), title, metrics, occupied, odometry[:, :3, 3],
-                 optimised[:, :3, 3], None if reference is None else _aligned(reference, mapper.stamps, odometry))
+    try:
+        write_report(os.path.join(directory, "report.html"), title, metrics, occupied, odometry[:, :3, 3],
+                     optimised[:, :3, 3], None if reference is None else _aligned(reference, mapper.stamps, odometry))
+    except PicturesUnavailable as error:
+        metrics["warnings"].insert(0, "no report.html: %s" % error)
     return metrics
 
 

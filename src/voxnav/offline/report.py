@@ -5,11 +5,9 @@ import base64
 import html
 import io
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+from voxnav.plotting import pyplot
 
 _STYLE = """body{font-family:sans-serif;max-width:1100px;margin:2em auto;color:#222}
 table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;border-bottom:1px solid #ddd}
@@ -19,13 +17,13 @@ td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
 def _image(figure):
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=100, bbox_inches="tight")
-    plt.close(figure)
+    pyplot().close(figure)
     return '<img src="data:image/png;base64,%s">' % base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def map_figure(occupied, odometry, optimised, reference=None):
     """Map from above, coloured by height, with the trajectories. occupied: (n, 3) metres."""
-    figure, axes = plt.subplots(figsize=(12, 8))
+    figure, axes = pyplot().subplots(figsize=(12, 8))
     if len(occupied):
         points = occupied[np.argsort(occupied[:, 2])]
         low, high = np.percentile(points[:, 2], [2, 98])
@@ -46,7 +44,7 @@ def map_figure(occupied, odometry, optimised, reference=None):
 def stage_figure(stages):
     """Mean and p99 of every stage."""
     names = sorted(stages)
-    figure, axes = plt.subplots(figsize=(10, 0.5 * len(names) + 1.5))
+    figure, axes = pyplot().subplots(figsize=(10, 0.5 * len(names) + 1.5))
     rows = np.arange(len(names))
     axes.barh(rows + 0.2, [stages[n]["mean_ms"] for n in names], height=0.4, label="mean")
     axes.barh(rows - 0.2, [stages[n]["p99_ms"] for n in names], height=0.4, label="p99")
@@ -61,7 +59,7 @@ def stage_figure(stages):
 
 def memory_figure(memory):
     """Memory over time. memory: list of dicts with time_s and *_mb."""
-    figure, axes = plt.subplots(figsize=(10, 3.5))
+    figure, axes = pyplot().subplots(figsize=(10, 3.5))
     times = [row["time_s"] for row in memory]
     for key in sorted(memory[0]):
         if key.endswith("_mb"):
