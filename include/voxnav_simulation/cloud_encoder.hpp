@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@ namespace voxnav_simulation {
 /// The two layouts users meet: the MRS fork of the Ouster driver (48 bytes per point, aligned, with times), and the
 /// MRS Gazebo plugin (29 bytes, packed, times zero). Both mark "no return" with (0, 0, 0).
 enum class CloudLayout { kOuster, kGazebo };
+constexpr auto words_of(CloudLayout) { return std::array{"ouster", "gazebo"}; }
 
 /// Types as numbered by sensor_msgs/PointField.
 enum class FieldType : std::uint8_t { kUint8 = 2, kUint16 = 4, kUint32 = 6, kFloat32 = 7 };

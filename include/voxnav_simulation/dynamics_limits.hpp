@@ -2,9 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -31,9 +28,13 @@ struct DynamicsLimits {
   DynamicsLimits scaled(double ratio) const;
 };
 
-/// The named sets of the constraint manager; each array is speed, acceleration, jerk.
+/// The sets of limits of the constraint manager.
+enum class ConstraintSet { kSlow, kMedium, kFast };
+constexpr auto words_of(ConstraintSet) { return std::array{"slow", "medium", "fast"}; }
+
+/// Limits of each set; each array is speed, acceleration, jerk.
 struct UavConstraintsConfig {
-  std::string initial = "medium";
+  ConstraintSet initial = ConstraintSet::kMedium;
   std::array<double, 3> slow_horizontal{1, 1, 20};
   std::array<double, 3> slow_vertical{1, 1, 20};
   std::array<double, 3> slow_heading{0.5, 1, 10};
@@ -48,7 +49,7 @@ struct UavConstraintsConfig {
   static void fields(V&& v) {
     using C = UavConstraintsConfig;
     const auto range = voxnav::base::in(0.05, 200);
-    v("initial", &C::initial, voxnav::base::one_of({"slow", "medium", "fast"}), "", "set in force at the start");
+    v("initial", &C::initial, voxnav::base::one_of<ConstraintSet>(), "", "set in force at the start");
     v("slow_horizontal", &C::slow_horizontal, range, "m/s, m/s^2, m/s^3", "horizontal limits of the set slow");
     v("slow_vertical", &C::slow_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set slow");
     v("slow_heading", &C::slow_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set slow");
@@ -61,8 +62,6 @@ struct UavConstraintsConfig {
   }
 };
 
-const std::vector<std::string>& constraint_names();
-/// Nothing for a name that does not exist.
-std::optional<DynamicsLimits> limits_named(const UavConstraintsConfig& config, const std::string& name);
+DynamicsLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set);
 
 }  // namespace voxnav_simulation

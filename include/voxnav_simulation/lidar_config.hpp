@@ -10,10 +10,16 @@
 
 namespace voxnav_simulation {
 
+/// Beam tables of data sheets; kCustom takes the elevations that are configured.
+enum class BeamModel { kOs0With128, kOs0With64, kOs0With32, kOs1With16, kOs1With64, kVlp16, kCustom };
+constexpr auto words_of(BeamModel) {
+  return std::array{"os0-128", "os0-64", "os0-32", "os1-16", "os1-64", "vlp-16", "custom"};
+}
+
 /// A spinning LiDAR. Signal figures follow recordings of an Ouster OS0-128: about 45000 / r^2 photons from common
 /// surfaces, saturating near 4500, lost below some 20.
 struct LidarConfig {
-  std::string model = "os0-128";
+  BeamModel model = BeamModel::kOs0With128;
   std::vector<double> beam_elevations_rad;
   int columns = 1024;
   double rate_hz = 10.0;
@@ -74,8 +80,7 @@ void LidarConfig::beam_fields(V& v) {
   using C = LidarConfig;
   using voxnav::base::in;
   using voxnav::base::one_of;
-  v("model", &C::model, one_of({"os0-128", "os0-64", "os0-32", "os1-16", "os1-64", "vlp-16", "custom"}), "",
-    "beam table; custom takes beam_elevations_rad");
+  v("model", &C::model, one_of<BeamModel>(), "", "beam table; custom takes beam_elevations_rad");
   v("beam_elevations_rad", &C::beam_elevations_rad, in(-1.5708, 1.5708), "rad",
     "elevation of each beam, top first; only for model custom");
   v("columns", &C::columns, in(16, 4096), "", "measurements per turn (Ouster: 512, 1024, 2048)");

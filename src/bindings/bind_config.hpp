@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include "bind_words.hpp"
 #include "pybind.hpp"
 #include "voxnav/base/config.hpp"
 
@@ -13,6 +14,16 @@ namespace py = pybind11;
 /// @throws base::ConfigError naming the key when the value has no type a field can have
 base::ValueMap to_values(const py::dict& dict);
 py::object to_python(const base::Value& value);
+
+/// A field as Python sees it: an enum as a member of its Python enum, which bind_words() made before.
+template <class T>
+py::object field_object(const T& field) {
+  if constexpr (base::HasWords<T>::value) {
+    return to_member(field);
+  } else {
+    return to_python(base::detail::to_value(field));
+  }
+}
 
 /// Assigns keyword arguments on top of the defaults; raises ConfigError listing every problem.
 template <class C>
@@ -35,7 +46,7 @@ py::class_<C> bind_config(py::module_& m, const char* name, const char* doc) {
     const std::string text = std::string(field_doc) + (*unit ? std::string(" [") + unit + "]" : std::string());
     const std::string key = field;
     cls.def_property(
-        field, [member](const C& c) { return to_python(base::detail::to_value(c.*member)); },
+        field, [member](const C& c) { return field_object(c.*member); },
         [key](C& c, const py::object& value) {
           C changed = c;
           py::dict one;

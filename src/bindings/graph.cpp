@@ -16,11 +16,7 @@ using geometry::DistanceField;
 using graph::ConstraintKind;
 using graph::SubmapGraph;
 
-ConstraintKind kind_from(const std::string& name) {
-  const auto kind = graph::kind_of(name);
-  if (!kind) throw py::value_error("kind must be odometry, registration, loop, gnss or height, got '" + name + "'");
-  return *kind;
-}
+ConstraintKind kind_from(const std::string& word) { return from_word<ConstraintKind>(word, "kind"); }
 
 graph::Matrix4 matrix4_of(const py::array& array, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data_of<double>(array, name, {4, 4}));
@@ -33,8 +29,8 @@ Eigen::Matrix3d matrix3_of(const py::array& array, const char* name) {
 template <class Pick>
 py::dict per_kind(const graph::OptimizeReport& report, const Pick& pick) {
   py::dict out;
-  for (int k = 0; k < graph::kNumConstraintKinds; ++k) {
-    out[graph::name_of(static_cast<ConstraintKind>(k))] = pick(report.kinds[k]);
+  for (const ConstraintKind kind : base::all_values<ConstraintKind>()) {
+    out[to_member(kind)] = pick(report.kinds[static_cast<int>(kind)]);
   }
   return out;
 }
@@ -46,14 +42,14 @@ void bind_report(py::module_& m) {
                      "What SubmapGraph.optimize() did. Costs are sums of squared residuals in sigmas.")
       .def_property_readonly(
           "costs_before", [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.cost_before; }); },
-          "dict: constraint kind -> cost of the input.")
+          "dict: ConstraintKind -> cost of the input.")
       .def_property_readonly(
           "costs", [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.cost_after; }); },
-          "dict: constraint kind -> cost of the result.")
+          "dict: ConstraintKind -> cost of the result.")
       .def_property_readonly(
           "num_constraints",
           [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.num_constraints; }); },
-          "dict: constraint kind -> constraints that took part.")
+          "dict: ConstraintKind -> constraints that took part.")
       .def_readonly("cost_before", &Report::cost_before)
       .def_readonly("cost_after", &Report::cost_after)
       .def_readonly("is_converged", &Report::is_converged)
@@ -91,15 +87,17 @@ py::dict poses(const SubmapGraph& g) {
 py::list constraints(const SubmapGraph& g) {
   py::list out;
   for (const graph::ConstraintView& c : g.constraints()) {
-    out.append(py::make_tuple(graph::name_of(c.kind), c.a, c.b, c.cost, c.is_used));
+    out.append(py::make_tuple(to_member(c.kind), c.a, c.b, c.cost, c.is_used));
   }
   return out;
 }
 
 void bind_constraints(py::class_<SubmapGraph>& cls) {
-  cls.def("add_relative_pose", &add_relative_pose, py::arg("a"), py::arg("b"), py::arg("T_a_b"), py::arg("information"),
-          py::arg("kind") = "odometry",
-          "Pose of submap b in submap a, with the (4, 4) information of (x, y, z, yaw). kind: odometry or loop.");
+  cls.def(
+      "add_relative_pose", &add_relative_pose, py::arg("a"), py::arg("b"), py::arg("T_a_b"), py::arg("information"),
+      py::arg("kind") = "odometry",
+      "Pose of submap b in submap a, with the (4, 4) information of (x, y, z, yaw). kind: ConstraintKind.ODOMETRY or\n"
+      "ConstraintKind.LOOP, or their words.");
   cls.def(
       "add_position",
       [](SubmapGraph& g, int id, const py::object& p_S, const py::object& p_W, const py::array& covariance) {
@@ -143,7 +141,7 @@ void bind_submap_graph(py::module_& m) {
           "Moves the submaps to where the constraints fit best; never worse than before. Returns OptimizeReport.\n\n"
           "full: register every pair anew, with ten times the work allowed.");
   cls.def("poses", &poses, "dict: id -> T_W_S, (4, 4) float64.");
-  cls.def("constraints", &constraints, "List of (kind, a, b, squared residual in sigmas, is_used).");
+  cls.def("constraints", &constraints, "List of (ConstraintKind, a, b, squared residual in sigmas, is_used).");
   cls.def_property_readonly(
       "gnss_datum",
       [](const SubmapGraph& g) -> py::object {
@@ -198,6 +196,8 @@ py::array_t<double> submap_bends(const py::array& spans_s, const py::array& T_O_
 }  // namespace
 
 void bind_graph(py::module_& m) {
+  bind_words<ConstraintKind>(m, "ConstraintKind", "What a constraint was measured by.");
+  bind_words<graph::GnssType>(m, "GnssType", "Message type of the positions that satellites give.");
   bind_config<graph::SubmapGraphConfig>(m, "SubmapGraphConfig", "Parameters of SubmapGraph.");
   bind_config<graph::OptimizerConfig>(m, "OptimizerConfig", "What the submap optimiser does around SubmapGraph.");
   bind_report(m);

@@ -20,24 +20,26 @@ std::shared_ptr<OccupancyView> mutable_view(const NavigationMap& map) {
 }
 
 template <NavigationMap::Applied (NavigationMap::*kApply)(const containers::GridUpdate&, std::uint32_t, double)>
-NavigationMap::Applied apply(NavigationMap& map, std::uint32_t sequence, double resolution_m,
-                             const py::object& block_indices, const py::buffer& states, const py::object& removed,
-                             bool is_snapshot) {
+py::object apply(NavigationMap& map, std::uint32_t sequence, double resolution_m, const py::object& block_indices,
+                 const py::buffer& states, const py::object& removed, bool is_snapshot) {
   const containers::GridUpdate update = grid_update_from(block_indices, states, removed, is_snapshot);
-  py::gil_scoped_release release;
-  return (map.*kApply)(update, sequence, resolution_m);
+  NavigationMap::Applied applied;
+  {
+    py::gil_scoped_release release;
+    applied = (map.*kApply)(update, sequence, resolution_m);
+  }
+  return to_member(applied);
 }
 
 }  // namespace
 
 void bind_navigation_map(py::module_& m) {
   bind_config<NavigationMapConfig>(m, "NavigationMapConfig", "Limits and vehicle footprint of a NavigationMap.");
-  py::enum_<NavigationMap::Applied>(m, "Applied", "What became of a grid update.")
-      .value("APPLIED", NavigationMap::Applied::kApplied)
-      .value("NEEDS_SNAPSHOT", NavigationMap::Applied::kNeedsSnapshot, "A message was missed.")
-      .value("IGNORED", NavigationMap::Applied::kIgnored, "It is older than what is here.");
+  bind_words<NavigationMap::Applied>(m, "Applied",
+                                     "What became of a grid update; NEEDS_SNAPSHOT: a message was missed, IGNORED: it\n"
+                                     "is older than what is here.");
   const char* apply_doc =
-      "Apply a GridUpdate message. Returns an Applied.\n\n"
+      "Apply a GridUpdate message. Returns Applied.\n\n"
       "block_indices, removed: (n, 3) or flat integers; states: bytes, 1024 per block. Raises ValueError.";
   py::class_<NavigationMap>(m, "NavigationMap",
                             "What the planner flies by, frame O: local map, obstacles of the global map, altitude "

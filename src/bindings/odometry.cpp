@@ -83,8 +83,7 @@ py::dict counters_of(const LidarOdometry& self) {
 void bind_results(py::module_& m) {
   py::class_<Quality>(m, "OdometryQuality", "How far a pose of LidarOdometry may be trusted.")
       .def_property_readonly(
-          "state", [](const Quality& q) { return odometry::name_of(q.state); },
-          "'initializing', 'tracking' or 'coasting'.")
+          "state", [](const Quality& q) { return to_member(q.state); }, "OdometryState.")
       .def_readonly("reason", &Quality::reason, "Why it is not tracking, or what follows the prediction.")
       .def_readonly("inlier_ratio", &Quality::inlier_ratio)
       .def_readonly("residual_m", &Quality::residual_m, "RMS of inlier residuals.")
@@ -112,6 +111,7 @@ void bind_results(py::module_& m) {
 }  // namespace
 
 void bind_odometry(py::module_& m) {
+  bind_words<odometry::State>(m, "OdometryState", "How a pose of LidarOdometry came about.");
   bind_results(m);
   bind_config<odometry::LidarOdometryConfig>(m, "LidarOdometryConfig", "Parameters of LidarOdometry.");
   py::class_<LidarOdometry>(m, "LidarOdometry", "LiDAR-inertial odometry against a bounded local map. Not thread-safe.")

@@ -44,28 +44,17 @@ CorridorResult corridor(const py::object& map, const py::array& points, double r
 }
 
 void bind_plan_status(py::module_& m) {
-  py::enum_<PlanStatus>(m, "PlanStatus", "Why a search ended as it did.")
-      .value("COMPLETE", PlanStatus::kComplete)
-      .value("PARTIAL_TIMEOUT", PlanStatus::kPartialTimeout)
-      .value("PARTIAL_LIMIT", PlanStatus::kPartialLimit)
-      .value("PARTIAL_BLOCKED", PlanStatus::kPartialBlocked)
-      .value("NO_PATH", PlanStatus::kNoPath)
-      .value("START_BLOCKED", PlanStatus::kStartBlocked)
-      .value("START_UNKNOWN", PlanStatus::kStartUnknown)
-      .value("GOAL_BLOCKED", PlanStatus::kGoalBlocked)
-      .value("GOAL_UNKNOWN", PlanStatus::kGoalUnknown)
-      .value("OUTSIDE_MAP", PlanStatus::kOutsideMap)
-      .value("INVALID_INPUT", PlanStatus::kInvalidInput);
+  bind_words<PlanStatus>(m, "PlanStatus", "Why a search ended as it did.");
   m.def(
-      "explain", [](PlanStatus status) { return explain(status); }, py::arg("status"), "One sentence for a person.");
+      "explain", [](const std::string& status) { return explain(from_word<PlanStatus>(status, "status")); },
+      py::arg("status"), "One sentence for a person about a PlanStatus.");
 }
 
 void bind_plan_result(py::module_& m) {
   py::class_<PlanResult>(m, "PlanResult", "What a search found, and why it ended.")
       .def_property_readonly(
-          "status", [](const PlanResult& r) { return to_string(r.status); },
-          "complete, partial_timeout, partial_limit, partial_blocked, no_path, start_blocked, start_unknown,\n"
-          "goal_blocked, goal_unknown, outside_map or invalid_input; only complete reaches the goal asked for.")
+          "status", [](const PlanResult& r) { return to_member(r.status); },
+          "PlanStatus; only COMPLETE reaches the goal asked for.")
       .def_property_readonly("reason", [](const PlanResult& r) { return explain(r.status); })
       .def_property_readonly(
           "path", [](const PlanResult& r) { return points_array(r.path); },
@@ -104,6 +93,7 @@ void bind_planning(py::module_& m) {
       .def("states", &states_at, py::arg("points"),
            "(n,) int8 states (0 unknown, 1 free, 2 occupied) of (n, 3) float32 points in the view's frame [m].");
   bind_plan_status(m);
+  bind_words<UnknownPolicy>(m, "UnknownPolicy", "What a search may do in unknown cells.");
   bind_plan_result(m);
   bind_corridor(m);
   bind_config<AStarConfig>(m, "AStarConfig", "Rules and limits of a search.");

@@ -50,7 +50,7 @@ void bind_outcome(py::module_& m) {
   py::class_<PlanOutcome>(m, "PlanOutcome", "A search and what may be flown of its path.")
       .def_readonly("plan", &PlanOutcome::plan)
       .def_property_readonly(
-          "status", [](const PlanOutcome& o) { return o.plan.status; }, "A PlanStatus.")
+          "status", [](const PlanOutcome& o) { return to_member(o.plan.status); }, "A PlanStatus.")
       .def_property_readonly("waypoints_O", [](const PlanOutcome& o) { return points_array(o.waypoints_O); })
       .def_readonly("is_to_goal", &PlanOutcome::is_to_goal)
       .def_readonly("corridor_radius_m", &PlanOutcome::corridor_radius_m)

@@ -14,10 +14,8 @@ namespace {
 
 using namespace voxnav_simulation;  // NOLINT: this file binds that namespace
 
-DynamicsLimits limits_of(const UavConstraintsConfig& config, const std::string& name) {
-  const auto limits = limits_named(config, name);
-  if (!limits) throw py::value_error("constraints must be slow, medium or fast, got '" + name + "'");
-  return *limits;
+DynamicsLimits limits_named(const std::string& word) {
+  return limits_of(UavConstraintsConfig{}, from_word<ConstraintSet>(word, "constraints"));
 }
 
 std::unique_ptr<Uav> make_uav(const UavConfig& config, std::uint64_t seed, const GnssDriftConfig& drift,
@@ -25,7 +23,7 @@ std::unique_ptr<Uav> make_uav(const UavConfig& config, std::uint64_t seed, const
                               const std::shared_ptr<Scene>& scene) {
   Uav::GroundHeight ground;
   if (scene) ground = [scene](double x, double y) { return scene->world().ground_height(x, y); };
-  return std::make_unique<Uav>(config, drift, imu, limits_of({}, constraints), seed, ground);
+  return std::make_unique<Uav>(config, drift, imu, limits_named(constraints), seed, ground);
 }
 
 std::vector<HeadedPoint> headed_points(const py::array& array, const char* name) {
@@ -85,7 +83,7 @@ py::dict generate(const py::array& waypoints, const std::string& constraints, do
                   bool stop_at_waypoints, double sampling_s) {
   PathRequest request;
   request.waypoints = headed_points(waypoints, "waypoints");
-  request.limits = limits_of({}, constraints);
+  request.limits = limits_named(constraints);
   request.max_deviation_m = max_deviation_m;
   request.stop_at_waypoints = stop_at_waypoints;
   TrajectoryGeneratorConfig config;
@@ -173,7 +171,7 @@ void bind_uav_class(py::module_& m) {
       .def("fly_through", &fly_through, py::arg("waypoints"), py::arg("max_deviation_m") = 0.2,
            "Generates and follows a trajectory from the present state; waypoints (n, 4) in O. Returns its samples.")
       .def(
-          "set_constraints", [](Uav& u, const std::string& name) { u.set_limits(limits_of({}, name)); },
+          "set_constraints", [](Uav& u, const std::string& name) { u.set_limits(limits_named(name)); },
           py::arg("name"));
   bind_state(&cls);
 }
@@ -184,6 +182,7 @@ void bind_uav(py::module_& m) {
   bind_config<UavConfig>(m, "UavConfig", "The simulated vehicle.");
   bind_config<GnssDriftConfig>(m, "GnssDriftConfig", "How the estimated pose drifts.");
   bind_config<ImuConfig>(m, "ImuConfig", "Bias and noise of the inertial unit.");
+  bind_words<ConstraintSet>(m, "ConstraintSet", "Sets of limits of the constraint manager.");
   bind_config<UavConstraintsConfig>(m, "UavConstraintsConfig", "Named sets of speed, acceleration and jerk limits.");
   bind_config<TrajectoryGeneratorConfig>(m, "TrajectoryGeneratorConfig", "The trajectory generator.");
   bind_uav_class(m);

@@ -147,6 +147,8 @@ py::dict integrate(ProjectiveIntegrator& integrator, const py::array& points_L, 
 
 void bind_configs(py::module_& m) {
   bind_config<SubmapConfig>(m, "SubmapConfig", "How a submap is made and how its distances are kept.");
+  bind_words<submap::RayRule>(m, "RayRule", "Which rays of a scan ProjectiveIntegrator casts.");
+  bind_words<submap::RangeWeighting>(m, "RangeWeighting", "How much a point counts, by its range.");
   bind_config<ProjectiveConfig>(m, "ProjectiveConfig", "Parameters of ProjectiveIntegrator.");
 }
 

@@ -59,10 +59,10 @@ class LidarSimulatorNodelet : public NodeletBase {
     params.finish();
     if (config_.world_yaml.empty()) throw voxnav::base::ConfigError({"node/world_yaml must name a world file"});
     const auto seed = static_cast<std::uint64_t>(config_.seed);
-    layout_ = config_.layout == "gazebo" ? CloudLayout::kGazebo : CloudLayout::kOuster;
     scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
     model_ = std::make_unique<voxnav_simulation::LidarModel>(lidar, seed);
-    scheduler_ = std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), layout_ == CloudLayout::kGazebo);
+    scheduler_ =
+        std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), config_.layout == CloudLayout::kGazebo);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     cloud_ = nh.advertise<sensor_msgs::PointCloud2>("cloud_out", 5);
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
@@ -110,7 +110,7 @@ class LidarSimulatorNodelet : public NodeletBase {
     header.frame_id = config_.sensor_frame_id;
     {
       const auto timer = diagnostics().time("scan");
-      cloud_.publish(to_msg(encode(model_->scan(*scene_, sweep.T_W_L, sweep.index), layout_), header));
+      cloud_.publish(to_msg(encode(model_->scan(*scene_, sweep.T_W_L, sweep.index), config_.layout), header));
     }
     diagnostics().add_latency("scan", header.stamp);
     const auto& counts = scheduler_->counts();
@@ -153,7 +153,6 @@ class LidarSimulatorNodelet : public NodeletBase {
   }
 
   voxnav_simulation::LidarSimulatorConfig config_;
-  CloudLayout layout_ = CloudLayout::kOuster;
   std::shared_ptr<voxnav_simulation::Scene> scene_;
   std::unique_ptr<voxnav_simulation::LidarModel> model_;
   std::unique_ptr<voxnav_simulation::SweepScheduler> scheduler_;

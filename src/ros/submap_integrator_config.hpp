@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -8,11 +9,15 @@
 
 namespace voxnav_ros {
 
+/// What submaps are made of: the cleaned local map, or the scans themselves (submap::ProjectiveIntegrator).
+enum class SubmapFilling { kOccupancy, kProjective };
+constexpr auto words_of(SubmapFilling) { return std::array{"occupancy", "projective"}; }
+
 /// Section `node` of voxnav/SubmapIntegrator.
 struct SubmapIntegratorConfig {
   std::string map_frame = "map";
   std::string odometry_frame = "odom";
-  std::string filling = "occupancy";
+  SubmapFilling filling = SubmapFilling::kOccupancy;
   double safety_distance_m = 1.5;
   double snapshot_period_s = 20.0;
   int max_queue = 32;
@@ -37,7 +42,7 @@ struct SubmapIntegratorConfig {
     using C = SubmapIntegratorConfig;
     v("map_frame", &C::map_frame, base::any(), "", "frame W, until the optimiser names it");
     v("odometry_frame", &C::odometry_frame, base::any(), "", "frame O, until a handover names it");
-    v("filling", &C::filling, base::one_of({"occupancy", "projective"}), "", "what submaps are made of");
+    v("filling", &C::filling, base::one_of<SubmapFilling>(), "", "what submaps are made of");
     v("safety_distance_m", &C::safety_distance_m, base::in(0.0, 10.0), "m", "nearer to a surface is an obstacle");
     v("snapshot_period_s", &C::snapshot_period_s, base::in(1.0, 3600.0), "s",
       "obstacles are published as a whole this often (wall time)");

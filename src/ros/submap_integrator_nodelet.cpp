@@ -24,7 +24,7 @@ void SubmapIntegratorNodelet::initialize() {
   params.finish();
   map_frame_ = config_.map_frame;
   odometry_frame_ = config_.odometry_frame;
-  is_projective_ = config_.filling == "projective";
+  is_projective_ = config_.filling == SubmapFilling::kProjective;
   if (is_projective_) integrator_ = std::make_unique<submap::ProjectiveIntegrator>(projective_config_);
   map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
   pictures_ = std::make_unique<SubmapPictures>(config_);

@@ -113,7 +113,8 @@ class OptimizerSession:
         if previous is not None:
             T_a_b = aligned(np.linalg.inv(previous.T_O_S) @ record.T_O_S)
             gap_s = max(0.0, record.start_s - previous.start_s)
-            self._graph.add_relative_pose(previous.id, record.id, T_a_b, self._odometry_information(gap_s), "odometry")
+            self._graph.add_relative_pose(previous.id, record.id, T_a_b, self._odometry_information(gap_s),
+                                          voxnav.ConstraintKind.ODOMETRY)
         self._attach_fixes(record)
         self._attach_heights(record)
         self._attach_loops()
@@ -226,7 +227,7 @@ class OptimizerSession:
             else:
                 T_a_b, information = loop_between_submaps(body_pose_at(a, loop.stamp_a_s),
                                                           body_pose_at(b, loop.stamp_b_s), loop.T_A_B, loop.covariance)
-                self._graph.add_relative_pose(a.id, b.id, T_a_b, information, "loop")
+                self._graph.add_relative_pose(a.id, b.id, T_a_b, information, voxnav.ConstraintKind.LOOP)
         self._loops = waiting
 
     def _record_at(self, stamp_s):

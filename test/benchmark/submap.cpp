@@ -182,7 +182,7 @@ geometry::Pose pose_of(std::int64_t i) {
   return geometry::from_position_yaw({0.1 * static_cast<double>(i % 50), 0.0, 3.0}, 0.0);
 }
 
-void integrate_projective(benchmark::State& state, const std::string& rule) {
+void integrate_projective(benchmark::State& state, submap::RayRule rule) {
   submap::ProjectiveConfig config;
   config.rule = rule;
   submap::ProjectiveIntegrator integrator(config);
@@ -218,9 +218,9 @@ BENCHMARK(correction_of_submaps)->Arg(1)->Arg(8)->Arg(12)->Unit(benchmark::kMill
 BENCHMARK(correction_of_a_long_flight)->Unit(benchmark::kMillisecond);
 BENCHMARK(new_submap_in_a_long_flight)->Unit(benchmark::kMillisecond);
 BENCHMARK(distance_queries)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(integrate_projective, simple, "simple")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(integrate_projective, merged, "merged")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(integrate_projective, fast, "fast")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(integrate_projective, simple, submap::RayRule::kSimple)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(integrate_projective, merged, submap::RayRule::kMerged)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(integrate_projective, fast, submap::RayRule::kFast)->Unit(benchmark::kMillisecond);
 BENCHMARK(integrate_octomap)->Unit(benchmark::kMillisecond);
 
 }  // namespace

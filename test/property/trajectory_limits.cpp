@@ -20,7 +20,7 @@ std::vector<Vec3> positions(const GeneratedTrajectory& trajectory) {
 
 PathRequest random_request(int seed, std::mt19937* random) {
   PathRequest request;
-  request.limits = *limits_named(UavConstraintsConfig{}, constraint_names()[static_cast<std::size_t>(seed) % 3]);
+  request.limits = limits_of(UavConstraintsConfig{}, static_cast<ConstraintSet>(seed % 3));
   const double steps_m[] = {0.4, 1, 4, 15};
   request.waypoints = random_path(random, 10, steps_m[seed % 4]);
   request.max_deviation_m = seed % 2 == 0 ? 0.05 : 0.3;

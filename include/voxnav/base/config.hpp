@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
-#include <variant>
+#include <utility>
 #include <vector>
+
+#include "voxnav/base/config_value.hpp"
 
 /// Every parameter of voxnav is written once, in a plain struct that lists its fields:
 /// @code
@@ -20,7 +19,8 @@
 ///     std::vector<std::string> problems() const;   // optional: rules between fields
 ///   };
 /// @endcode
-/// The list feeds the ROS loader, the Python bindings, the shipped YAML test and docs/parameters.md.
+/// The list feeds the ROS loader, the Python bindings, the shipped YAML test and docs/parameters.md. A field that is
+/// one of several choices is an enum with words (words.hpp): YAML, ROS and the documentation speak the words.
 namespace voxnav::base {
 
 /// Thrown when a configuration is unusable; what() lists every problem, one per line.
@@ -33,56 +33,21 @@ class ConfigError : public std::invalid_argument {
   std::vector<std::string> problems_;
 };
 
-/// What a field accepts: numbers inside [min, max] (bounds inclusive), or one of the named strings.
+/// What a field accepts: numbers inside [min, max] (bounds inclusive), or one of the words of an enum.
 struct Rule {
   double min;
   double max;
   std::vector<std::string> choices;
 };
 Rule in(double min, double max);
-Rule one_of(std::vector<std::string> choices);
 Rule any();
-
-/// A parameter value as YAML, XML-RPC and Python deliver it.
-using Value = std::variant<bool, std::int64_t, double, std::string, std::vector<double>, std::vector<std::string>>;
-using ValueMap = std::map<std::string, Value>;
-
-std::string to_string(const Value& value);
+/// The rule of a field that is the enum E.
+template <class E>
+Rule one_of() {
+  return {0.0, 0.0, all_words<E>()};
+}
 
 namespace detail {
-
-template <class T>
-struct IsDoubleArray : std::false_type {};
-template <std::size_t N>
-struct IsDoubleArray<std::array<double, N>> : std::true_type {};
-
-template <class T>
-Value to_value(const T& field) {
-  if constexpr (std::is_same_v<T, int>) {
-    return static_cast<std::int64_t>(field);
-  } else if constexpr (IsDoubleArray<T>::value) {
-    return std::vector<double>(field.begin(), field.end());
-  } else {
-    return field;
-  }
-}
-
-/// Strict conversions: an integer may become a double, nothing else changes type. Empty result = accepted.
-std::string read(const Value& value, bool* field);
-std::string read(const Value& value, int* field);
-std::string read(const Value& value, double* field);
-std::string read(const Value& value, std::string* field);
-std::string read(const Value& value, std::vector<double>* field);
-std::string read(const Value& value, std::vector<std::string>* field);
-template <std::size_t N>
-std::string read(const Value& value, std::array<double, N>* field) {
-  std::vector<double> list;
-  const std::string problem = read(value, &list);
-  if (!problem.empty()) return problem;
-  if (list.size() != N) return "needs " + std::to_string(N) + " numbers, has " + std::to_string(list.size());
-  for (std::size_t i = 0; i < N; ++i) (*field)[i] = list[i];
-  return {};
-}
 
 std::string range_problem(const std::string& name, const Value& value, const Rule& rule, const std::string& unit);
 std::string unknown_problem(const std::string& name, const std::vector<std::string>& known);

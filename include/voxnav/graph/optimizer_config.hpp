@@ -9,6 +9,10 @@
 
 namespace voxnav::graph {
 
+/// Message type of the positions that satellites give: none are used, nav_msgs/Odometry or sensor_msgs/NavSatFix.
+enum class GnssType { kNone, kOdometry, kNavSatFix };
+constexpr auto words_of(GnssType) { return std::array{"none", "odometry", "navsatfix"}; }
+
 /// What the submap_optimizer node and the offline runner decide around SubmapGraph.
 struct OptimizerConfig {
   std::string map_frame = "map";
@@ -19,7 +23,7 @@ struct OptimizerConfig {
   double odometry_z_mps = 0.02;
   double odometry_yaw_rad = 0.01;
   double odometry_yaw_radps = 0.0005;
-  std::string gnss_type = "none";
+  GnssType gnss_type = GnssType::kNone;
   std::array<double, 3> gnss_lever_arm_m{0.0, 0.0, 0.0};
   double gnss_min_sigma_m = 0.02;
   double gnss_max_sigma_m = 10.0;
@@ -47,7 +51,7 @@ struct OptimizerConfig {
     v("odometry_z_mps", &C::odometry_z_mps, in(0, 10), "m/s", "growth of it per second");
     v("odometry_yaw_rad", &C::odometry_yaw_rad, in(1e-5, 3.2), "rad", "the same for heading, constant part");
     v("odometry_yaw_radps", &C::odometry_yaw_radps, in(0, 1), "rad/s", "growth of it per second");
-    v("gnss_type", &C::gnss_type, base::one_of({"none", "odometry", "navsatfix"}), "", "message type of ~gnss_in");
+    v("gnss_type", &C::gnss_type, base::one_of<GnssType>(), "", "message type of ~gnss_in");
     v("gnss_lever_arm_m", &C::gnss_lever_arm_m, in(-10, 10), "m", "antenna in the body frame");
     v("gnss_min_sigma_m", &C::gnss_min_sigma_m, in(1e-3, 100), "m", "fixes are not believed beyond this");
     v("gnss_max_sigma_m", &C::gnss_max_sigma_m, in(0.01, 1000), "m", "worse fixes are dropped");

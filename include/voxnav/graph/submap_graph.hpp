@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,11 +17,10 @@ class DistanceField;
 
 namespace voxnav::graph {
 
+/// What a constraint between submaps, or between a submap and the world, was measured by.
 enum class ConstraintKind { kOdometry, kRegistration, kLoop, kGnss, kHeight };
-constexpr int kNumConstraintKinds = 5;
-/// "odometry", "registration", "loop", "gnss", "height"
-const char* name_of(ConstraintKind kind);
-std::optional<ConstraintKind> kind_of(const std::string& name);
+constexpr auto words_of(ConstraintKind) { return std::array{"odometry", "registration", "loop", "gnss", "height"}; }
+constexpr int kNumConstraintKinds = static_cast<int>(words_of(ConstraintKind{}).size());
 
 struct KindReport {
   int num_constraints = 0;   ///< that took part

@@ -15,7 +15,7 @@
 namespace voxnav::odometry {
 
 enum class State : std::uint8_t { kInitializing = 0, kTracking = 1, kCoasting = 2 };
-const char* name_of(State state);
+constexpr auto words_of(State) { return std::array{"initializing", "tracking", "coasting"}; }
 
 struct Quality {
   State state = State::kInitializing;

@@ -11,7 +11,7 @@ struct FlightSearchConfig : planning::AStarConfig {
   FlightSearchConfig() {
     timeout_s = 0.6;
     clearance_distance_m = 2.0;
-    unknown_policy = "optimistic_far";
+    unknown_policy = planning::UnknownPolicy::kOptimisticFar;
     // More would make the search flood all known space before it enters unknown space.
     unknown_cost = 1.1;
     optimistic_range_m = 4.0;

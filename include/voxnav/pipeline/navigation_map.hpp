@@ -52,6 +52,7 @@ class NavigationMap {
     kNeedsSnapshot,  ///< a message was missed, or nothing came before a change: ask for a snapshot
     kIgnored         ///< older than what is here
   };
+  friend constexpr auto words_of(Applied) { return std::array{"applied", "needs_snapshot", "ignored"}; }
   /// @param sequence of the message; changes must follow each other without a gap
   /// @throws std::invalid_argument when the update does not fit itself, or resolution_m is not positive
   Applied apply_local(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);

@@ -8,12 +8,16 @@
 
 namespace voxnav::pipeline {
 
+/// Where the poses of a recording's scans come from.
+enum class PoseSource { kAuto, kRecording, kLidar };
+constexpr auto words_of(PoseSource) { return std::array{"auto", "recording", "lidar"}; }
+
 /// What the offline runner (scripts/map_bag) needs to know beside the parts it runs.
 struct OfflineConfig {
   std::string cloud_topic;
   std::string odometry_topic;
   std::string imu_topic;
-  std::string pose_source = "auto";
+  PoseSource pose_source = PoseSource::kAuto;
   std::array<double, 3> mount_position_m{0.0, 0.0, 0.0};
   std::array<double, 3> mount_rpy_rad{0.0, 0.0, 0.0};
   double vehicle_radius_m = 0.0;
@@ -26,7 +30,7 @@ struct OfflineConfig {
     v("cloud_topic", &C::cloud_topic, base::any(), "", "topic of the clouds in a bag; empty = the only one there is");
     v("odometry_topic", &C::odometry_topic, base::any(), "", "topic of body poses in a bag; empty = found by type");
     v("imu_topic", &C::imu_topic, base::any(), "", "topic of the IMU in a bag; empty = found by type");
-    v("pose_source", &C::pose_source, base::one_of({"auto", "recording", "lidar"}), "",
+    v("pose_source", &C::pose_source, base::one_of<PoseSource>(), "",
       "auto takes the recording's poses where it has them, and LiDAR odometry otherwise");
     v("mount_position_m", &C::mount_position_m, base::in(-10, 10), "m",
       "position of the LiDAR on the body; all zero = as /tf_static of a bag has it");

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-#include <vector>
+#include <array>
 
 #include "voxnav/base/config.hpp"
 
 namespace voxnav::planning {
+
+/// What a search may do in unknown cells.
+enum class UnknownPolicy {
+  kForbid,        ///< never enters them
+  kPenalise,      ///< enters them at unknown_cost per metre
+  kOptimisticFar  ///< the same, but only beyond optimistic_range_m of the start
+};
+constexpr auto words_of(UnknownPolicy) { return std::array{"forbid", "penalise", "optimistic_far"}; }
 
 /// Rules of a search. The limits bound time and memory whatever the map and the goal are.
 struct AStarConfig {
@@ -16,7 +23,7 @@ struct AStarConfig {
   double safety_distance_m = 1.0;
   double clearance_distance_m = 0.0;
   double clearance_weight = 2.0;
-  std::string unknown_policy = "forbid";
+  UnknownPolicy unknown_policy = UnknownPolicy::kForbid;
   double unknown_cost = 2.0;
   double optimistic_range_m = 8.0;
   double known_distance_m = 0.0;
@@ -38,7 +45,7 @@ struct AStarConfig {
       "cells nearer to occupied voxels than this cost more; no effect unless above safety_distance_m");
     v("clearance_weight", &AStarConfig::clearance_weight, base::in(0.0, 100.0), "",
       "extra cost per metre at the safety distance, falls to zero at clearance_distance_m");
-    v("unknown_policy", &AStarConfig::unknown_policy, base::one_of({"forbid", "penalise", "optimistic_far"}), "",
+    v("unknown_policy", &AStarConfig::unknown_policy, base::one_of<UnknownPolicy>(), "",
       "unknown cells: never; at unknown_cost; at unknown_cost beyond optimistic_range_m of the start only");
     v("unknown_cost", &AStarConfig::unknown_cost, base::in(1.0, 100.0), "", "cost per metre in unknown cells");
     v("optimistic_range_m", &AStarConfig::optimistic_range_m, base::in(0.0, 1000.0), "m",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -23,7 +24,11 @@ enum class PlanStatus {
   kInvalidInput
 };
 
-const char* to_string(PlanStatus status);
+constexpr auto words_of(PlanStatus) {
+  return std::array{"complete",     "partial_timeout", "partial_limit", "partial_blocked",
+                    "no_path",      "start_blocked",   "start_unknown", "goal_blocked",
+                    "goal_unknown", "outside_map",     "invalid_input"};
+}
 /// One sentence for a person.
 const char* explain(PlanStatus status);
 

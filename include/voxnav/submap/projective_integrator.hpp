@@ -13,13 +13,25 @@
 
 namespace voxnav::submap {
 
+/// Which rays of a scan are cast.
+enum class RayRule {
+  kSimple,  ///< one per point
+  kMerged,  ///< one per end voxel
+  kFast     ///< one per half voxel, and only through voxels not yet seen in this scan
+};
+constexpr auto words_of(RayRule) { return std::array{"simple", "merged", "fast"}; }
+
+/// How much a point counts, by its range.
+enum class RangeWeighting { kConstant, kInverseSquare };
+constexpr auto words_of(RangeWeighting) { return std::array{"constant", "inverse_square"}; }
+
 struct ProjectiveConfig {
   double resolution_m = 0.4;
   double truncation_m = 0.8;
   double min_range_m = 0.5;
   double max_range_m = 26.0;
-  std::string rule = "merged";
-  std::string weighting = "constant";
+  RayRule rule = RayRule::kMerged;
+  RangeWeighting weighting = RangeWeighting::kConstant;
   bool use_drop_off = true;
   bool use_anti_grazing = true;
   bool use_carving = true;
@@ -34,9 +46,9 @@ struct ProjectiveConfig {
     v("truncation_m", &C::truncation_m, base::in(0.04, 20.0), "m", "distances are kept up to here; at least 2 voxels");
     v("min_range_m", &C::min_range_m, base::in(0.0, 10.0), "m", "nearer points are ignored");
     v("max_range_m", &C::max_range_m, base::in(1.0, 300.0), "m", "farther points only clear free space up to here");
-    v("rule", &C::rule, base::one_of({"simple", "merged", "fast"}), "",
+    v("rule", &C::rule, base::one_of<RayRule>(), "",
       "one ray per point, per end voxel, or per half voxel and only through voxels not yet seen");
-    v("weighting", &C::weighting, base::one_of({"constant", "inverse_square"}), "", "weight of a point by its range");
+    v("weighting", &C::weighting, base::one_of<RangeWeighting>(), "", "weight of a point by its range");
     v("use_drop_off", &C::use_drop_off, base::any(), "", "weights fall linearly to zero behind the surface");
     v("use_anti_grazing", &C::use_anti_grazing, base::any(), "",
       "rays leave voxels alone in which other points of the scan end");

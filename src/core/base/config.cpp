@@ -45,10 +45,10 @@ std::string number_problem(double value, const Rule& rule, const std::string& un
   return "allowed is " + number(rule.min) + " to " + number(rule.max) + suffix;
 }
 
-std::string choice_problem(const std::string& value, const Rule& rule) {
+std::string word_problem(const std::string& word, const Rule& rule) {
   if (rule.choices.empty()) return {};
-  if (std::find(rule.choices.begin(), rule.choices.end(), value) != rule.choices.end()) return {};
-  return "allowed is one of " + join(rule.choices, ", ");
+  if (std::find(rule.choices.begin(), rule.choices.end(), word) != rule.choices.end()) return {};
+  return detail::choice_problem(rule.choices);
 }
 
 }  // namespace
@@ -57,7 +57,6 @@ ConfigError::ConfigError(const std::vector<std::string>& problems)
     : std::invalid_argument(join(problems, "\n")), problems_(problems) {}
 
 Rule in(double min, double max) { return {min, max, {}}; }
-Rule one_of(std::vector<std::string> choices) { return {0.0, 0.0, std::move(choices)}; }
 Rule any() {
   const double infinity = std::numeric_limits<double>::infinity();
   return {-infinity, infinity, {}};
@@ -134,11 +133,15 @@ std::string read(const Value& value, std::vector<std::string>* field) {
   return {};
 }
 
+std::string choice_problem(const std::vector<std::string>& choices) {
+  return "allowed is one of " + join(choices, ", ");
+}
+
 std::string range_problem(const std::string& name, const Value& value, const Rule& rule, const std::string& unit) {
   std::string problem;
   if (const auto* v = std::get_if<std::int64_t>(&value)) problem = number_problem(static_cast<double>(*v), rule, unit);
   if (const auto* v = std::get_if<double>(&value)) problem = number_problem(*v, rule, unit);
-  if (const auto* v = std::get_if<std::string>(&value)) problem = choice_problem(*v, rule);
+  if (const auto* v = std::get_if<std::string>(&value)) problem = word_problem(*v, rule);
   if (const auto* v = std::get_if<std::vector<double>>(&value)) {
     for (double x : *v) {
       if (problem.empty()) problem = number_problem(x, rule, unit);

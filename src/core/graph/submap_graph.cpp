@@ -12,8 +12,6 @@
 namespace voxnav::graph {
 namespace {
 
-constexpr const char* kKindNames[kNumConstraintKinds] = {"odometry", "registration", "loop", "gnss", "height"};
-
 constexpr double kReachKernels = 1.5;  // a point this many kernels away is an outlier wherever it is
 
 double cpu_seconds() {
@@ -33,15 +31,6 @@ void check_finite(const geometry::Vec3& point, const char* what) {
 }
 
 }  // namespace
-
-const char* name_of(ConstraintKind kind) { return kKindNames[static_cast<int>(kind)]; }
-
-std::optional<ConstraintKind> kind_of(const std::string& name) {
-  for (int k = 0; k < kNumConstraintKinds; ++k) {
-    if (name == kKindNames[k]) return static_cast<ConstraintKind>(k);
-  }
-  return std::nullopt;
-}
 
 std::vector<std::string> SubmapGraphConfig::problems() const {
   std::vector<std::string> out;

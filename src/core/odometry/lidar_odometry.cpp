@@ -48,18 +48,6 @@ Pose upright(const Vec3& specific_force) {
 
 }  // namespace
 
-const char* name_of(State state) {
-  switch (state) {
-    case State::kInitializing:
-      return "initializing";
-    case State::kTracking:
-      return "tracking";
-    case State::kCoasting:
-      return "coasting";
-  }
-  return "unknown";
-}
-
 LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_L)
     : config_(base::checked(config)),
       T_B_L_(T_B_L),

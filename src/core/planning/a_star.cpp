@@ -63,7 +63,7 @@ class PlanCall {
   /// Fills way_out_ with the cells from the start to the first enterable one.
   bool leave_start() {
     if (!costs_.is_inside(start_cell_)) return refuse(PlanStatus::kOutsideMap);
-    const bool is_forbidden = config_.unknown_policy == "forbid";
+    const bool is_forbidden = config_.unknown_policy == UnknownPolicy::kForbid;
     const State state = costs_.state(start_cell_);
     if (state == State::kOccupied) return refuse(PlanStatus::kStartBlocked);
     if (state == State::kUnknown && is_forbidden) return refuse(PlanStatus::kStartUnknown);
@@ -89,7 +89,8 @@ class PlanCall {
     }
     if (is_enterable(goal_cell_)) return;
     if (goal_problem_ == PlanStatus::kComplete) {
-      const bool is_unknown = costs_.state(goal_cell_) == State::kUnknown && config_.unknown_policy != "penalise";
+      const bool is_unknown =
+          costs_.state(goal_cell_) == State::kUnknown && config_.unknown_policy != UnknownPolicy::kPenalise;
       goal_problem_ = is_unknown ? PlanStatus::kGoalUnknown : PlanStatus::kGoalBlocked;
     }
     Index3 substitute;
@@ -117,7 +118,7 @@ class PlanCall {
     if (config_.simplify) {
       ShortcutRules rules;
       rules.clearance_m = config_.safety_distance_m - view_.grown_by_m();
-      rules.known_m = config_.unknown_policy == "optimistic_far" ? config_.known_distance_m : 0.0;
+      rules.known_m = config_.unknown_policy == UnknownPolicy::kOptimisticFar ? config_.known_distance_m : 0.0;
       rules.known_range_m = config_.optimistic_range_m;
       rules.start = start_;
       cells = simplify(&space_, view_, cells, rules, budget_);

@@ -47,7 +47,8 @@ CellCosts::CellCosts(const OccupancyView& view, const AStarConfig& config, const
   clearance_ = std::max(safety_, config.clearance_distance_m / resolution_m_);
   // Rounding must not turn a voxel at exactly the safety distance into an obstacle.
   safety_sq_ = static_cast<float>(safety_ * safety_ - 1e-4);
-  const double known = config.unknown_policy == "optimistic_far" ? config.known_distance_m / resolution_m_ : 0.0;
+  const double known =
+      config.unknown_policy == UnknownPolicy::kOptimisticFar ? config.known_distance_m / resolution_m_ : 0.0;
   known_sq_ = static_cast<float>(known * known);
   radius_ = std::min(kMaxRadius, static_cast<int>(std::ceil(std::max(clearance_, known) + 0.5)));
   for (int k = -radius_; k <= radius_; ++k) {
@@ -126,8 +127,8 @@ bool CellCosts::touches_start_range(const geometry::Index3& block) const {
 }
 
 CellCost CellCosts::unknown_cost(const geometry::Index3& voxel) const {
-  if (config_.unknown_policy == "forbid") return 0;
-  if (config_.unknown_policy == "optimistic_far" && is_near_start(voxel)) return 0;
+  if (config_.unknown_policy == UnknownPolicy::kForbid) return 0;
+  if (config_.unknown_policy == UnknownPolicy::kOptimisticFar && is_near_start(voxel)) return 0;
   return static_cast<CellCost>(std::lround(config_.unknown_cost * kUnitCost));
 }
 

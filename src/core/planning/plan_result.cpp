@@ -3,34 +3,6 @@
 
 namespace voxnav::planning {
 
-const char* to_string(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::kComplete:
-      return "complete";
-    case PlanStatus::kPartialTimeout:
-      return "partial_timeout";
-    case PlanStatus::kPartialLimit:
-      return "partial_limit";
-    case PlanStatus::kPartialBlocked:
-      return "partial_blocked";
-    case PlanStatus::kNoPath:
-      return "no_path";
-    case PlanStatus::kStartBlocked:
-      return "start_blocked";
-    case PlanStatus::kStartUnknown:
-      return "start_unknown";
-    case PlanStatus::kGoalBlocked:
-      return "goal_blocked";
-    case PlanStatus::kGoalUnknown:
-      return "goal_unknown";
-    case PlanStatus::kOutsideMap:
-      return "outside_map";
-    case PlanStatus::kInvalidInput:
-      return "invalid_input";
-  }
-  return "invalid_input";
-}
-
 const char* explain(PlanStatus status) {
   switch (status) {
     case PlanStatus::kComplete:

@@ -78,10 +78,10 @@ void UavCommands::advertise_triggers(ros::NodeHandle& nh) {
 }
 
 UavCommands::Result UavCommands::set_constraints(const std::string& name) {
-  const auto limits = limits_named(constraints_, name);
-  if (!limits) return {false, "there are no constraints named '" + name + "', only slow, medium and fast"};
-  shared_.uav->set_limits(*limits);
-  *shared_.constraints = name;
+  const auto set = voxnav::base::value_of_word<voxnav_simulation::ConstraintSet>(name);
+  if (!set) return {false, "there are no constraints named '" + name + "', only slow, medium and fast"};
+  shared_.uav->set_limits(limits_of(constraints_, *set));
+  *shared_.constraints = *set;
   return {true, "constraints set to " + name};
 }
 

@@ -31,7 +31,7 @@ class UavCommands {
   struct Shared {
     std::mutex* mutex;  ///< guards uav and constraints
     voxnav_simulation::Uav* uav;
-    std::string* constraints;
+    voxnav_simulation::ConstraintSet* constraints;
   };
   /// @param take_off_refusal  asked before take-off; empty: allowed
   UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,

@@ -155,12 +155,12 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   return out;
 }
 
-mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, const std::string& name,
+mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, ConstraintSet set,
                                                               const ros::Time& stamp) {
   mrs_msgs::ConstraintManagerDiagnostics out;
   out.stamp = stamp;
-  out.loaded = out.available = voxnav_simulation::constraint_names();
-  out.current_name = name;
+  out.loaded = out.available = voxnav::base::all_words<ConstraintSet>();
+  out.current_name = voxnav::base::word_of(set);
   out.current_values = constraints(limits);
   return out;
 }

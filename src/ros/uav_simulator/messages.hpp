@@ -21,6 +21,7 @@
 namespace voxnav_ros::uav_messages {
 
 using voxnav_simulation::BodyState;
+using voxnav_simulation::ConstraintSet;
 using voxnav_simulation::DynamicsLimits;
 using voxnav_simulation::Uav;
 using voxnav_simulation::UavSimulatorConfig;
@@ -40,7 +41,7 @@ mrs_msgs::DynamicsConstraints constraints(const DynamicsLimits& limits);
 
 mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const std_msgs::Header& header,
                                                         const std::string& uav_name);
-mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, const std::string& name,
+mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, ConstraintSet set,
                                                               const ros::Time& stamp);
 mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std_msgs::Header& header,
                                                        const std::string& child, const UavSimulatorConfig& config);

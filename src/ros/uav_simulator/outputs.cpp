@@ -13,6 +13,7 @@
 namespace voxnav_ros {
 namespace {
 
+using voxnav_simulation::ConstraintSet;
 using voxnav_simulation::FlightPhase;
 using voxnav_simulation::Uav;
 
@@ -64,7 +65,7 @@ bool UavOutputs::is_due(double hz) const {
   return step_ % std::max<std::int64_t>(1, std::llround(1.0 / (hz * voxnav_simulation::kStep_s))) == 0;
 }
 
-void UavOutputs::collect(Uav* uav, const std::string& constraints) {
+void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
   stamp_ns_ = uav->stamp_ns();
   step_ = (stamp_ns_ - voxnav::base::from_seconds(config_.start_time_s)) / voxnav_simulation::kStep_ns;
   note_phase(*uav);
@@ -99,7 +100,7 @@ void UavOutputs::collect_sensors(Uav* uav) {
   later(gnss_, uav_messages::gnss(uav->estimate().pose.translation(), header(frames_.body()), config_));
 }
 
-void UavOutputs::collect_diagnostics(const Uav& uav, const std::string& constraints) {
+void UavOutputs::collect_diagnostics(const Uav& uav, ConstraintSet constraints) {
   const auto in_control = header(frames_.control());
   if (is_due(kSensors_hz)) {
     later(constraints_, uav_messages::constraints(uav.tracker().limits()));

@@ -22,7 +22,7 @@ class UavOutputs {
              const UavFrames& frames, std::shared_ptr<const voxnav_simulation::Scene> scene);
 
   /// Call with the vehicle locked: takes what is due at this time.
-  void collect(voxnav_simulation::Uav* uav, const std::string& constraints);
+  void collect(voxnav_simulation::Uav* uav, voxnav_simulation::ConstraintSet constraints);
   void add_imu(const voxnav_simulation::ImuSample& sample);
   /// Call unlocked: sends /clock first, then what was collected.
   void publish();
@@ -33,7 +33,7 @@ class UavOutputs {
   bool is_due(double hz) const;
   void collect_state(const voxnav_simulation::Uav& uav);
   void collect_sensors(voxnav_simulation::Uav* uav);
-  void collect_diagnostics(const voxnav_simulation::Uav& uav, const std::string& constraints);
+  void collect_diagnostics(const voxnav_simulation::Uav& uav, voxnav_simulation::ConstraintSet constraints);
   void watch_clearance(const voxnav_simulation::Uav& uav);
   void note_phase(const voxnav_simulation::Uav& uav);
   std_msgs::Header header(const std::string& frame_id) const;

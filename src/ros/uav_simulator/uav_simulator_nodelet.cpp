@@ -37,9 +37,8 @@ class UavSimulatorNodelet : public NodeletBase {
     pacer_ = std::make_unique<Pacer>(config_);
     make_uav();
     outputs_ = std::make_unique<UavOutputs>(nh, private_nh, config_, *frames_, scene_);
-    commands_ =
-        std::make_unique<UavCommands>(nh, UavCommands::Shared{&mutex_, uav_.get(), &constraints_name_}, *frames_,
-                                      constraints_, generator_, [this] { return take_off_refusal(); });
+    commands_ = std::make_unique<UavCommands>(nh, UavCommands::Shared{&mutex_, uav_.get(), &constraint_set_}, *frames_,
+                                              constraints_, generator_, [this] { return take_off_refusal(); });
   }
 
   void start() override {
@@ -57,7 +56,7 @@ class UavSimulatorNodelet : public NodeletBase {
     params.section("constraints", &constraints_);
     params.section("generator", &generator_);
     params.finish();
-    constraints_name_ = constraints_.initial;
+    constraint_set_ = constraints_.initial;
   }
 
   void make_uav() {
@@ -67,8 +66,7 @@ class UavSimulatorNodelet : public NodeletBase {
       scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
       ground = [scene = scene_](double x, double y) { return scene->world().ground_height(x, y); };
     }
-    uav_ =
-        std::make_unique<Uav>(uav_config_, drift_, imu_, *limits_named(constraints_, constraints_name_), seed, ground);
+    uav_ = std::make_unique<Uav>(uav_config_, drift_, imu_, limits_of(constraints_, constraint_set_), seed, ground);
     uav_->set_stamp_ns(voxnav::base::from_seconds(config_.start_time_s));
   }
 
@@ -96,7 +94,7 @@ class UavSimulatorNodelet : public NodeletBase {
         uav_->step();
         outputs_->add_imu(uav_->imu());
       }
-      outputs_->collect(uav_.get(), constraints_name_);
+      outputs_->collect(uav_.get(), constraint_set_);
     }
     outputs_->publish();
   }
@@ -136,9 +134,9 @@ class UavSimulatorNodelet : public NodeletBase {
   voxnav_simulation::TrajectoryGeneratorConfig generator_;
 
   std::shared_ptr<voxnav_simulation::Scene> scene_;
-  std::mutex mutex_;  ///< guards uav_ and constraints_name_
+  std::mutex mutex_;  ///< guards uav_ and constraint_set_
   std::unique_ptr<Uav> uav_;
-  std::string constraints_name_;
+  voxnav_simulation::ConstraintSet constraint_set_;
   std::unique_ptr<UavFrames> frames_;
   std::unique_ptr<Pacer> pacer_;
   std::unique_ptr<UavOutputs> outputs_;

@@ -17,16 +17,17 @@ struct BeamTable {
   double vertical_fov_rad;
 };
 // From the data sheets; Ouster's first generation for the OS1-16 that MRS UAVs carry.
-const std::map<std::string, BeamTable> kBeamTables{
-    {"os0-128", {128, 90.0 * kDegree}}, {"os0-64", {64, 90.0 * kDegree}}, {"os0-32", {32, 90.0 * kDegree}},
-    {"os1-16", {16, 33.2 * kDegree}},   {"os1-64", {64, 33.2 * kDegree}}, {"vlp-16", {16, 30.0 * kDegree}},
+const std::map<BeamModel, BeamTable> kBeamTables{
+    {BeamModel::kOs0With128, {128, 90.0 * kDegree}}, {BeamModel::kOs0With64, {64, 90.0 * kDegree}},
+    {BeamModel::kOs0With32, {32, 90.0 * kDegree}},   {BeamModel::kOs1With16, {16, 33.2 * kDegree}},
+    {BeamModel::kOs1With64, {64, 33.2 * kDegree}},   {BeamModel::kVlp16, {16, 30.0 * kDegree}},
 };
 
 }  // namespace
 
 std::vector<std::string> LidarConfig::problems() const {
   std::vector<std::string> out;
-  const bool is_custom = model == "custom";
+  const bool is_custom = model == BeamModel::kCustom;
   if (is_custom && (beam_elevations_rad.empty() || beam_elevations_rad.size() > kMaxBeams)) {
     out.emplace_back("beam_elevations_rad must hold 1 to 256 beams when model is custom");
   }
@@ -45,7 +46,7 @@ std::vector<std::string> LidarConfig::problems() const {
 }
 
 std::vector<double> LidarConfig::elevations_rad() const {
-  if (model == "custom") return beam_elevations_rad;
+  if (model == BeamModel::kCustom) return beam_elevations_rad;
   const BeamTable& table = kBeamTables.at(model);
   std::vector<double> out;
   for (int i = 0; i < table.beams; ++i) out.push_back(table.vertical_fov_rad * (0.5 - i / (table.beams - 1.0)));

@@ -2,6 +2,7 @@
 #include "voxnav_simulation/dynamics_limits.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace voxnav_simulation {
 namespace {
@@ -30,16 +31,16 @@ DynamicsLimits DynamicsLimits::scaled(double ratio) const {
           scaled_axis(heading, ratio)};
 }
 
-const std::vector<std::string>& constraint_names() {
-  static const std::vector<std::string> names{"slow", "medium", "fast"};
-  return names;
-}
-
-std::optional<DynamicsLimits> limits_named(const UavConstraintsConfig& config, const std::string& name) {
-  if (name == "slow") return set_of(config.slow_horizontal, config.slow_vertical, config.slow_heading);
-  if (name == "medium") return set_of(config.medium_horizontal, config.medium_vertical, config.medium_heading);
-  if (name == "fast") return set_of(config.fast_horizontal, config.fast_vertical, config.fast_heading);
-  return std::nullopt;
+DynamicsLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set) {
+  switch (set) {
+    case ConstraintSet::kSlow:
+      return set_of(config.slow_horizontal, config.slow_vertical, config.slow_heading);
+    case ConstraintSet::kMedium:
+      return set_of(config.medium_horizontal, config.medium_vertical, config.medium_heading);
+    case ConstraintSet::kFast:
+      return set_of(config.fast_horizontal, config.fast_vertical, config.fast_heading);
+  }
+  throw std::invalid_argument("no such set of constraints");
 }
 
 }  // namespace voxnav_simulation

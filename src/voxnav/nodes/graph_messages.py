@@ -11,13 +11,15 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 import voxnav
+from voxnav import ConstraintKind
 from voxnav.msg import OptimizerReport, SubmapPoses
 from voxnav.nodes.poses import pose_from_msg, pose_to_msg
 from voxnav.optimizer_session import Fix, Loop, SubmapRecord
 
-KINDS = ("odometry", "registration", "loop", "gnss", "height")
-_COLOURS = {"odometry": (0.2, 0.4, 1.0), "registration": (0.2, 0.8, 0.2), "loop": (1.0, 0.8, 0.1),
-            "gnss": (0.7, 0.2, 0.9), "height": (0.5, 0.5, 0.5)}
+KINDS = tuple(ConstraintKind)
+_COLOURS = {ConstraintKind.ODOMETRY: (0.2, 0.4, 1.0), ConstraintKind.REGISTRATION: (0.2, 0.8, 0.2),
+            ConstraintKind.LOOP: (1.0, 0.8, 0.1), ConstraintKind.GNSS: (0.7, 0.2, 0.9),
+            ConstraintKind.HEIGHT: (0.5, 0.5, 0.5)}
 _BAD_SIGMAS = 5.0  # a constraint this far off is drawn red
 
 _EARTH_RADIUS_M, _EARTH_E2 = 6378137.0, 6.69437999014e-3  # WGS84
@@ -125,7 +127,7 @@ def markers_to_msg(session, stamp, map_frame, max_lines):
     spheres.scale.x = spheres.scale.y = spheres.scale.z = 0.8
     spheres.color = ColorRGBA(1.0, 1.0, 1.0, 0.9)
     lines = {}
-    for kind in ("odometry", "registration", "loop"):
+    for kind in (ConstraintKind.ODOMETRY, ConstraintKind.REGISTRATION, ConstraintKind.LOOP):
         lines[kind] = Marker(header=header, ns=kind, type=Marker.LINE_LIST)
         lines[kind].scale.x = 0.15
     between = [c for c in session.graph.constraints() if c[0] in lines and c[4]]

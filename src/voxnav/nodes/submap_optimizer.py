@@ -77,9 +77,9 @@ class SubmapOptimizer:
         rospy.Subscriber("~submap_in", Submap, self._on_submap, queue_size=50)
         rospy.Subscriber("~loop_closure_in", LoopClosure, self._on_loop, queue_size=50)
         rospy.Subscriber("~height_in", Float64Stamped, self._on_height, queue_size=50)
-        if self._config.gnss_type == "odometry":
+        if self._config.gnss_type == voxnav.GnssType.ODOMETRY:
             rospy.Subscriber("~gnss_in", Odometry, self._on_gnss_odometry, queue_size=50)
-        elif self._config.gnss_type == "navsatfix":
+        elif self._config.gnss_type == voxnav.GnssType.NAVSATFIX:
             rospy.Subscriber("~gnss_in", NavSatFix, self._on_fix, queue_size=50)
 
     def _restore(self):

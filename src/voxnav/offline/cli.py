@@ -92,7 +92,7 @@ def _dataset(args, settings):
     if args.scans:
         return ScanFolder(args.scans, args.poses), np.eye(4) if T_B_L is None else T_B_L
     bag = Bag(args.bag, settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L,
-              use_odometry=settings.pose_source != "lidar")
+              use_odometry=settings.pose_source != voxnav.PoseSource.LIDAR)
     return bag, bag.T_B_L
 
 

@@ -110,7 +110,7 @@ class OfflineMapper:
         """Points (n, 3) as seen from one place, and T_O_B there, or None when nothing gives a pose."""
         points = np.ascontiguousarray(filtered.points[:, :3])
         source = self._run.pose_source
-        if source == "recording" or (source == "auto" and scan.pose is not None):
+        if source == voxnav.PoseSource.RECORDING or (source == voxnav.PoseSource.AUTO and scan.pose is not None):
             return self._deskewed(scan, filtered, points)
         times = filtered.time_offsets_ns * 1e-9
         with self.stages.time("odometry"):

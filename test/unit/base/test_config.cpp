@@ -9,11 +9,14 @@ namespace {
 
 using namespace voxnav;  // NOLINT: test
 
+enum class Filling { kOccupancy, kProjective };
+constexpr auto words_of(Filling) { return std::array{"occupancy", "projective"}; }
+
 struct SampleConfig {
   double resolution_m = 0.4;
   int num_threads = 1;
   bool is_enabled = true;
-  std::string filling = "occupancy";
+  Filling filling = Filling::kOccupancy;
   std::array<double, 3> window_size_m{80, 80, 40};
 
   template <class V>
@@ -21,7 +24,7 @@ struct SampleConfig {
     v("resolution_m", &SampleConfig::resolution_m, base::in(0.01, 10), "m", "edge of one voxel");
     v("num_threads", &SampleConfig::num_threads, base::in(1, 64), "", "worker threads");
     v("is_enabled", &SampleConfig::is_enabled, base::any(), "", "switch");
-    v("filling", &SampleConfig::filling, base::one_of({"occupancy", "projective"}), "", "way to fill");
+    v("filling", &SampleConfig::filling, base::one_of<Filling>(), "", "way to fill");
     v("window_size_m", &SampleConfig::window_size_m, base::in(1, 1000), "m", "window");
   }
   std::vector<std::string> problems() const {
@@ -42,13 +45,14 @@ TEST(Config, AcceptsGoodValuesAndWidensIntegers) {
       base::assign(&config, {{"resolution_m", std::int64_t{1}}, {"filling", std::string("projective")}});
   EXPECT_TRUE(problems.empty());
   EXPECT_EQ(config.resolution_m, 1.0);
-  EXPECT_EQ(config.filling, "projective");
+  EXPECT_EQ(config.filling, Filling::kProjective);
 }
 
 TEST(Config, NamesKeyValueAndAllowedRange) {
   EXPECT_EQ(only_problem({{"resolution_m", -1.0}}), "resolution_m = -1: allowed is 0.01 to 10 m");
   EXPECT_EQ(only_problem({{"filling", std::string("magic")}}),
             "filling = 'magic': allowed is one of occupancy, projective");
+  EXPECT_EQ(only_problem({{"filling", std::int64_t{1}}}), "filling = 1: needs a string");
   EXPECT_EQ(only_problem({{"num_threads", 1.5}}), "num_threads = 1.5: needs an integer");
   EXPECT_EQ(only_problem({{"is_enabled", std::int64_t{1}}}), "is_enabled = 1: needs true or false");
   EXPECT_EQ(only_problem({{"window_size_m", std::vector<double>{1, 2}}}),

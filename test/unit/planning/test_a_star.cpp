@@ -10,6 +10,7 @@ using containers::State;
 using geometry::Vec3;
 using planning::AStarConfig;
 using planning::PlanStatus;
+using planning::UnknownPolicy;
 
 namespace {
 
@@ -59,11 +60,11 @@ TEST(AStar, UnknownIsForbiddenUnlessThePolicySaysOtherwise) {
   auto result = plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5});
   EXPECT_EQ(result.status, PlanStatus::kPartialBlocked);
   EXPECT_DOUBLE_EQ(result.path.back().x(), 7.5);
-  config.unknown_policy = "penalise";
+  config.unknown_policy = UnknownPolicy::kPenalise;
   result = plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5});
   EXPECT_EQ(result.status, PlanStatus::kComplete);
   EXPECT_DOUBLE_EQ(result.cost_m, 17.0 + 3.0);  // three cells at twice the cost
-  config.unknown_policy = "optimistic_far";
+  config.unknown_policy = UnknownPolicy::kOptimisticFar;
   config.optimistic_range_m = 5.0;
   EXPECT_EQ(plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5}).status, PlanStatus::kComplete);
   config.optimistic_range_m = 8.0;
@@ -177,6 +178,6 @@ TEST(AStar, SimplifiedPathIsShorterAndStillClear) {
 
 TEST(AStar, BadConfigurationIsRefused) {
   AStarConfig config;
-  config.unknown_policy = "maybe";
+  config.unknown_policy = static_cast<UnknownPolicy>(7);
   EXPECT_THROW(planning::AStarPlanner{config}, base::ConfigError);
 }

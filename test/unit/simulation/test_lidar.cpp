@@ -38,9 +38,9 @@ TEST(LidarConfig, KnowsTheUsualSensors) {
   EXPECT_EQ(config.elevations_rad().size(), 128u);
   EXPECT_NEAR(config.elevations_rad().front(), 45 * kDegree, 1e-9);
   EXPECT_NEAR(config.elevations_rad().back(), -45 * kDegree, 1e-9);
-  config.model = "os1-16";
+  config.model = BeamModel::kOs1With16;
   EXPECT_EQ(config.elevations_rad().size(), 16u);
-  config.model = "custom";
+  config.model = BeamModel::kCustom;
   EXPECT_EQ(config.problems().size(), 1u);
   config.beam_elevations_rad = {0.1, -0.1};
   EXPECT_TRUE(config.problems().empty());

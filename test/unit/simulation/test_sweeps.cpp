@@ -16,7 +16,7 @@ constexpr StampNs kMs = 1'000'000;
 
 LidarModel small_model() {
   LidarConfig config;
-  config.model = "custom";
+  config.model = BeamModel::kCustom;
   config.beam_elevations_rad = {0.0};
   config.columns = 100;
   config.mount_position_m = {0.0, 0.0, 0.5};

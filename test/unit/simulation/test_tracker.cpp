@@ -9,7 +9,7 @@ namespace {
 using namespace voxnav_simulation;  // NOLINT: test
 using namespace uav_test;           // NOLINT: test
 
-DynamicsLimits limits(const std::string& name) { return *limits_named(UavConstraintsConfig{}, name); }
+DynamicsLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
 
 std::vector<Vec3> fly(Tracker* tracker, double duration_s) {
   std::vector<Vec3> out;
@@ -28,8 +28,9 @@ TrackedTrajectory tracked(const GeneratedTrajectory& generated) {
 }
 
 TEST(Tracker, ReachesGoalsWithinLimitsAndWithoutOvershoot) {
-  for (const std::string& name : constraint_names()) {
-    Tracker tracker(limits(name));
+  for (const ConstraintSet set : voxnav::base::all_values<ConstraintSet>()) {
+    const char* name = voxnav::base::word_of(set);
+    Tracker tracker(limits(set));
     tracker.go_to({{30, -20, 10}, 2});
     const auto path = fly(&tracker, 60);
     EXPECT_LE(usage(path, kStep_s, tracker.limits()).worst(), 1.01) << name;
@@ -46,7 +47,7 @@ TEST(Tracker, KeepsLimitsUnderRandomCommands) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> place(-20, 20), unit(0, 1);
-    Tracker tracker(limits(constraint_names()[seed % 3]));
+    Tracker tracker(limits(static_cast<ConstraintSet>(seed % 3)));
     std::vector<Vec3> path;
     for (int k = 0; k < 60; ++k) {
       const double what = unit(random);
@@ -72,7 +73,7 @@ TEST(Tracker, FollowsGeneratedTrajectoriesClosely) {
   for (int seed = 0; seed < 9; ++seed) {
     std::mt19937 random(static_cast<unsigned>(seed));
     PathRequest request;
-    request.limits = limits(constraint_names()[static_cast<std::size_t>(seed) % 3]);
+    request.limits = limits(static_cast<ConstraintSet>(seed % 3));
     request.waypoints = random_path(&random, 8, 8);
     request.max_deviation_m = 0.2;
     const auto generated = generate_trajectory({}, request);
@@ -92,7 +93,7 @@ TEST(Tracker, FollowsGeneratedTrajectoriesClosely) {
 }
 
 TEST(Tracker, PredictionIsWhatIsFlown) {
-  Tracker tracker(limits("fast"));
+  Tracker tracker(limits(ConstraintSet::kFast));
   tracker.go_to({{40, 5, 3}, 1});
   fly(&tracker, 2.5);
   std::vector<KinematicState> predicted;
@@ -105,7 +106,7 @@ TEST(Tracker, PredictionIsWhatIsFlown) {
 }
 
 TEST(Tracker, NewCommandsReplaceThePrediction) {
-  Tracker tracker(limits("medium"));
+  Tracker tracker(limits(ConstraintSet::kMedium));
   tracker.go_to({{40, 0, 0}, 0});
   EXPECT_GT(tracker.predicted(1000).position.x(), 5);
   tracker.go_to({{-40, 0, 0}, 0});
@@ -113,7 +114,7 @@ TEST(Tracker, NewCommandsReplaceThePrediction) {
 }
 
 TEST(Tracker, BrakesToAStop) {
-  Tracker tracker(limits("fast"));
+  Tracker tracker(limits(ConstraintSet::kFast));
   tracker.go_to({{100, 0, 0}, 0});
   fly(&tracker, 5);
   const double speed = tracker.state().velocity.norm();
@@ -127,10 +128,10 @@ TEST(Tracker, BrakesToAStop) {
 }
 
 TEST(Tracker, SlowsDownWhenLimitsAreLowered) {
-  Tracker tracker(limits("fast"));
+  Tracker tracker(limits(ConstraintSet::kFast));
   tracker.go_to({{100, 0, 0}, 0});
   fly(&tracker, 5);
-  tracker.set_limits(limits("slow"));
+  tracker.set_limits(limits(ConstraintSet::kSlow));
   fly(&tracker, 10);
   EXPECT_LE(tracker.state().velocity.norm(), 1.01);
 }
@@ -141,7 +142,7 @@ TEST(Tracker, SkipsTheBeginningAndLoops) {
     circle.points.push_back({{5 * std::cos(0.02 * M_PI * i), 5 * std::sin(0.02 * M_PI * i), 2}, 0});
   circle.is_loop = true;
   circle.skip_s = 5;
-  Tracker tracker(limits("medium"));
+  Tracker tracker(limits(ConstraintSet::kMedium));
   KinematicState start;
   start.position = circle.points[25].position;
   tracker.reset(start);

@@ -10,12 +10,12 @@ namespace {
 
 using namespace voxnav_simulation;  // NOLINT: test
 
-DynamicsLimits limits(const std::string& name) { return *limits_named(UavConstraintsConfig{}, name); }
+DynamicsLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
 
 PathRequest request_through(std::vector<HeadedPoint> waypoints) {
   PathRequest request;
   request.waypoints = std::move(waypoints);
-  request.limits = limits("medium");
+  request.limits = limits(ConstraintSet::kMedium);
   return request;
 }
 

@@ -13,7 +13,7 @@ using namespace voxnav_simulation;  // NOLINT: test
 ImuConfig perfect_imu() { return {0, 0, 0, 0, 0, 0}; }
 
 Uav make_uav(unsigned seed = 1, const GnssDriftConfig& drift = {}, const ImuConfig& imu = {}) {
-  return Uav(UavConfig{}, drift, imu, *limits_named(UavConstraintsConfig{}, "medium"), seed);
+  return Uav(UavConfig{}, drift, imu, limits_of(UavConstraintsConfig{}, ConstraintSet::kMedium), seed);
 }
 
 void fly(Uav* uav, double duration_s) {

@@ -11,6 +11,7 @@ using geometry::Vec3;
 using geometry::Vec3f;
 using submap::ProjectiveConfig;
 using submap::ProjectiveIntegrator;
+using submap::RayRule;
 
 namespace {
 
@@ -42,9 +43,9 @@ std::vector<Vec3f> scan(const Pose& T_S_L, const test::Sdf& sdf) {
 double sphere(const Vec3& p) { return (p - kCenter).norm() - kRadius; }
 double wall(const Vec3& p) { return 6.13 - p.x(); }
 
-class Rules : public ::testing::TestWithParam<const char*> {};
+class Rules : public ::testing::TestWithParam<RayRule> {};
 
-ProjectiveIntegrator integrated(const char* rule, const test::Sdf& sdf, const std::vector<Vec3>& origins) {
+ProjectiveIntegrator integrated(RayRule rule, const test::Sdf& sdf, const std::vector<Vec3>& origins) {
   ProjectiveConfig config;
   config.rule = rule;
   ProjectiveIntegrator integrator(config);
@@ -92,7 +93,7 @@ TEST_P(Rules, SphereSurfaceIsFoundAndSpaceInFrontIsFree) {
   EXPECT_EQ(field->state(Vec3(6, 0, 8)), State::kFree);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Rules, ::testing::Values("simple", "merged", "fast"));
+INSTANTIATE_TEST_SUITE_P(All, Rules, ::testing::Values(RayRule::kSimple, RayRule::kMerged, RayRule::kFast));
 
 TEST(ProjectiveIntegrator, WithoutCarvingOnlyTheBandIsObserved) {
   ProjectiveConfig config;

@@ -38,8 +38,8 @@ ProjectiveIntegrator::Counts ProjectiveIntegrator::integrate(const std::vector<g
   scan_ = scan_ % 0x3FFFFFFFu + 1;
   std::vector<Ray> rays = rays_of(points_L, T_S_L, &counts);
   if (config_.use_anti_grazing) mark_ends(rays);
-  if (config_.rule == "merged") merge(&rays);
-  if (config_.rule == "fast") thin(&rays);
+  if (config_.rule == RayRule::kMerged) merge(&rays);
+  if (config_.rule == RayRule::kFast) thin(&rays);
   for (const Ray& ray : rays) cast(T_S_L.translation(), ray, &counts);
   counts.rays = rays.size();
   return counts;
@@ -56,7 +56,8 @@ std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::rays_of(const std::
       ++counts->dropped;
       continue;
     }
-    const float weight = config_.weighting == "constant" ? 1.f : static_cast<float>(1.0 / (range * range));
+    const float weight =
+        config_.weighting == RangeWeighting::kConstant ? 1.f : static_cast<float>(1.0 / (range * range));
     const bool is_clearing = range > config_.max_range_m;
     const double length = std::min(range, config_.max_range_m + config_.truncation_m);
     out.push_back({T_S_L * Vec3(point.cast<double>() * (length / range)), weight, is_clearing});
@@ -116,7 +117,7 @@ void ProjectiveIntegrator::cast(const Vec3& origin, const Ray& ray, Counts* coun
   const double to = ray.is_clearing ? config_.max_range_m - tau : range + tau;
   if (to <= from) return;
   const Index3 end_voxel = floor_index(ray.end / v);
-  const bool is_fast = config_.rule == "fast";
+  const bool is_fast = config_.rule == RayRule::kFast;
   // From the end to the sensor, so that the fast rule may stop early in what is already known to be free.
   VoxelWalk walk((origin + to * direction) / v, (origin + from * direction) / v);
   double distance = range - (geometry::center_of(walk.index(), v) - origin).dot(direction);
