@@ -8,8 +8,8 @@ import subprocess
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Same number = same floor; see docs/architecture.md.
 FLOORS = {
-    "base": 0, "geometry": 1, "containers": 2, "cloud": 3, "occupancy": 4, "submap": 5, "odometry": 5, "graph": 5,
-    "planning": 6, "pipeline": 7,
+    "base": 0, "geometry": 1, "kernels": 2, "containers": 3, "cloud": 4, "occupancy": 5, "submap": 6, "odometry": 6,
+    "graph": 6, "planning": 7, "pipeline": 8,
 }
 # The graph knows DistanceField and the planner OccupancyView, never what is behind them.
 FORBIDDEN = {("graph", "submap"), ("submap", "graph"), ("planning", "occupancy"), ("planning", "submap"),

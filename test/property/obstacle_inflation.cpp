@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/processor.hpp"
 #include "content_builder.hpp"
+#include "kernels/processor.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -65,7 +65,7 @@ TEST(ObstacleInflation, EqualsBruteForce) {
 TEST(ObstacleInflation, EveryInstructionSetGivesTheSame) {
   for (const double safety_m : {0.3, 1.5, 2.4}) {
     const auto inflate = [&](bool wide) {
-      base::use_wide(wide);
+      kernels::use_wide(wide);
       SubmapCollection collection({});
       collection.add(entry_of(1, Pose::Identity(), 0.02));
       collection.add(entry_of(2, geometry::from_position_yaw({3, 2, -1}, 0.5), 0.02));

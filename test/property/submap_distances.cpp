@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/processor.hpp"
+#include "kernels/processor.hpp"
 #include "content_builder.hpp"
 #include "submap/distance/distance_block.hpp"
 #include "voxnav/submap/submap.hpp"
@@ -91,7 +91,7 @@ TEST_P(SubmapDistances, CertifiedNeverExceedTheTruth) {
 TEST_P(SubmapDistances, EveryInstructionSetGivesTheSame) {
   const auto content = test::random_content(14, 40, GetParam(), 0.1, kVoxel);
   const auto derive = [&](bool wide) {
-    base::use_wide(wide);
+    kernels::use_wide(wide);
     const auto field = Submap::from_content(content, geometry::Pose::Identity(), {});
     std::vector<float> out;
     for (const auto& p : field->surface_points()) out.insert(out.end(), {p.normal.x(), p.normal.y(), p.normal.z()});

@@ -3,10 +3,15 @@
 
 #include <algorithm>
 
-#include "occupancy/byte_ops.hpp"
+#include "kernels/masked_bytes.hpp"
 
 namespace voxnav::occupancy {
 namespace {
+
+using kernels::count_bits;
+using kernels::for_each_bit;
+using kernels::Subtracted;
+using kernels::Subtraction;
 
 /// A quarter of the voxels: more surface does not fit between walls. Bounds the memory of a block.
 constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
@@ -38,7 +43,7 @@ Misses subtract_plain(OctreeBlock* block, const VoxelBits& misses, const Subtrac
   Misses out;
   for (std::size_t word = 0; word < misses.size(); ++word) {
     if (misses[word] == 0) continue;
-    out.add(subtract_where(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
+    out.add(kernels::subtract_where(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
   }
   return out;
 }
@@ -47,7 +52,7 @@ VOXNAV_WIDE Misses subtract_wide(OctreeBlock* block, const VoxelBits& misses, co
   Misses out;
   for (std::size_t word = 0; word < misses.size(); ++word) {
     if (misses[word] == 0) continue;
-    out.add(subtract_where_wide(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
+    out.add(kernels::subtract_where_wide(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
   }
   return out;
 }
@@ -66,7 +71,7 @@ void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const Voxel
     misses[word] = evidence.passed[word] & ~spared;
   }
   const Subtraction by{scale.miss, levels.free_end(), levels.occupied_begin()};
-  const Misses done = (base::is_wide() ? subtract_wide : subtract_plain)(block, misses, by);
+  const Misses done = (kernels::is_wide() ? subtract_wide : subtract_plain)(block, misses, by);
   out->update.missed += done.count;
   out->update.became_free += done.changes.crossed_free;
   out->any_level_changed = out->any_level_changed || done.changes.any_changed;

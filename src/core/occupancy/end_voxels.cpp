@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "occupancy/end_voxels.hpp"
 
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
 
 namespace voxnav::occupancy {
 
@@ -56,14 +56,14 @@ std::size_t EndVoxels::count_hits() {
     std::size_t in_block = 0;
     for (int word = 0; word < 64; ++word) {
       block.hits_before[word] = static_cast<std::uint16_t>(in_block);
-      in_block += count_bits(block.hits[word]);
+      in_block += kernels::count_bits(block.hits[word]);
     }
     total += in_block;
   }
   return total;
 }
 
-PointSpread EndVoxels::spread_of(const PointSum& sum) {
+PointSpread EndVoxels::spread_of(const kernels::PointSum& sum) {
   PointSpread out;
   const float share = 1.0f / sum.first[3];
   out.mean = geometry::Vec3f(sum.first[0], sum.first[1], sum.first[2]) * share;
@@ -75,7 +75,7 @@ PointSpread EndVoxels::spread_of(const PointSum& sum) {
 }
 
 void EndVoxels::finish() {
-  sums_.assign(count_hits(), PointSum{});
+  sums_.assign(count_hits(), kernels::PointSum{});
   std::size_t next = 0;
   for (const ScanPart* part : parts_) {
     for (const EndRun& run : part->runs()) {
@@ -83,7 +83,7 @@ void EndVoxels::finish() {
       const Block& block = blocks_[address.block];
       const std::uint32_t word = address.offset >> 6;
       const std::uint64_t below = (std::uint64_t{1} << (address.offset & 63)) - 1;
-      sums_[block.first_hit + block.hits_before[word] + count_bits(block.hits[word] & below)].add(run);
+      sums_[block.first_hit + block.hits_before[word] + kernels::count_bits(block.hits[word] & below)].add(run);
     }
   }
   hits_.reserve(sums_.size());
@@ -95,7 +95,7 @@ void EndVoxels::finish() {
 void EndVoxels::finish_block(const Block& block) {
   const geometry::Index3 at = block_of_slot(block.slot);
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(block.hits[word], [&](int bit) {
+    kernels::for_each_bit(block.hits[word], [&](int bit) {
       const int offset = word * 64 + bit;
       hits_.push_back({block.slot, static_cast<std::uint16_t>(offset), spread_of(sums_[hits_.size()])});
       const geometry::Index3 voxel = geometry::voxel_at(at, offset);
@@ -129,7 +129,7 @@ void EndVoxels::widen(geometry::Index3* low, geometry::Index3* high) const {
 
 std::size_t EndVoxels::memory_bytes() const {
   return index_.capacity() * sizeof(index_[0]) + blocks_.capacity() * sizeof(Block) +
-         addresses_.capacity() * sizeof(Address) + sums_.capacity() * sizeof(PointSum) +
+         addresses_.capacity() * sizeof(Address) + sums_.capacity() * sizeof(kernels::PointSum) +
          hits_.capacity() * sizeof(HitVoxel) + clearing_ends_.capacity() * sizeof(geometry::Vec3f) +
          rays_.capacity() * sizeof(geometry::Vec3f);
 }

@@ -60,7 +60,7 @@ class EndVoxels {
     std::uint32_t block;  ///< in blocks_
     std::uint32_t offset;
   };
-  static PointSpread spread_of(const PointSum& sum);
+  static PointSpread spread_of(const kernels::PointSum& sum);
   Address address_of(const geometry::Index3& voxel);
   void add_clearing(const geometry::Vec3f& end);
   std::size_t count_hits();
@@ -72,7 +72,7 @@ class EndVoxels {
   std::vector<Block> blocks_;
   std::vector<const ScanPart*> parts_;
   std::vector<Address> addresses_;  ///< of all runs of all parts
-  std::vector<PointSum> sums_;
+  std::vector<kernels::PointSum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;
   std::vector<geometry::Vec3f> rays_;

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "base/bytes.hpp"
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 namespace voxnav::occupancy {
@@ -34,7 +34,7 @@ void put_block(const OctreeBlock& block, base::ByteWriter* out) {
   out->put(block.seen);
   out->put(block.leaves.bits());
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(block.leaves.bits()[word], [&](int bit) { out->put(*block.leaves.find(64 * word + bit)); });
+    kernels::for_each_bit(block.leaves.bits()[word], [&](int bit) { out->put(*block.leaves.find(64 * word + bit)); });
   }
 }
 
@@ -46,7 +46,7 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* 
   block->seen = in->get<VoxelBits>();
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
-    for_each_bit(block->leaves.bits()[word],
+    kernels::for_each_bit(block->leaves.bits()[word],
                  [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), sizeof(SurfaceLeaf)); });
   }
 }

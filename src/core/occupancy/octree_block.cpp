@@ -3,85 +3,24 @@
 
 #include <algorithm>
 
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
+#include "kernels/masked_bytes.hpp"
+#include "kernels/octree_levels.hpp"
 
 namespace voxnav::occupancy {
-namespace {
 
 using containers::State;
 
-struct Max {
-  VOXNAV_INLINE std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const { return a > b ? a : b; }
-};
-struct Or {
-  VOXNAV_INLINE std::uint8_t operator()(std::uint8_t a, std::uint8_t b) const {
-    return static_cast<std::uint8_t>(a | b);
-  }
-};
-
-/// Eight children to one parent over a whole level of Side^3 nodes. Rows are combined first, so that the
-/// compiler turns the inner loop into vector instructions.
-template <int Side, class Combine>
-VOXNAV_INLINE void reduce(const std::uint8_t* in, std::uint8_t* out, Combine combine) {
-  constexpr int kHalf = Side / 2;
-  for (int z = 0; z < kHalf; ++z) {
-    for (int y = 0; y < kHalf; ++y) {
-      const std::uint8_t* row = in + (2 * z * Side + 2 * y) * Side;
-      std::uint8_t merged[Side];
-      for (int x = 0; x < Side; ++x) {
-        merged[x] = combine(combine(row[x], row[x + Side]), combine(row[x + Side * Side], row[x + Side * Side + Side]));
-      }
-      for (int x = 0; x < kHalf; ++x) out[(z * kHalf + y) * kHalf + x] = combine(merged[2 * x], merged[2 * x + 1]);
-    }
-  }
-}
-
-template <class Combine>
-VOXNAV_INLINE void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, Combine combine) {
-  reduce<16>(voxels, nodes, combine);
-  reduce<8>(nodes, nodes + 512, combine);
-  reduce<4>(nodes + 512, nodes + 576, combine);
-  reduce<2>(nodes + 576, nodes + 584, combine);
-}
-
-}  // namespace
-
 constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
 
-namespace {
-
-VOXNAV_INLINE void find_flags(const OctreeBlock& block, const StateLevels& levels, OctreeBlock::Flags* flags) {
-  const std::uint8_t free_end = levels.free_end();
-  const std::uint8_t occupied_min = levels.occupied_begin();
-  for (int i = 0; i < geometry::kBlockVolume; ++i) {
-    const std::uint8_t level = block.log_odds[i];
-    const std::uint8_t not_free = level >= occupied_min ? kContainsOccupied : kContainsUnknown;
-    (*flags)[i] = level < free_end ? static_cast<std::uint8_t>(kContainsFree) : not_free;
-  }
-}
-VOXNAV_WIDE void find_flags_wide(const OctreeBlock& block, const StateLevels& levels, OctreeBlock::Flags* flags) {
-  find_flags(block, levels, flags);
-}
-
-/// All inner nodes.
-VOXNAV_INLINE void summarise(const std::uint8_t* log_odds, const std::uint8_t* flags, std::uint8_t* max,
-                             std::uint8_t* inner_flags) {
-  reduce_all(log_odds, max, Max{});
-  reduce_all(flags, inner_flags, Or{});
-}
-VOXNAV_WIDE void summarise_wide(const std::uint8_t* log_odds, const std::uint8_t* flags, std::uint8_t* max,
-                                std::uint8_t* inner_flags) {
-  summarise(log_odds, flags, max, inner_flags);
-}
-
-}  // namespace
-
 void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
-  (base::is_wide() ? find_flags_wide : find_flags)(*this, levels, flags);
+  const kernels::LevelFlags by{levels.free_end(), levels.occupied_begin(), kContainsFree, kContainsUnknown,
+                               kContainsOccupied};
+  kernels::flags_of_levels(log_odds.data(), by, flags->data());
 }
 
 void OctreeBlock::refresh(const Flags& flags) {
-  (base::is_wide() ? summarise_wide : summarise)(log_odds.data(), flags.data(), max_.data(), flags_.data());
+  kernels::summarise_levels(log_odds.data(), flags.data(), max_.data(), flags_.data());
 }
 
 namespace {
@@ -114,11 +53,11 @@ containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {
 }
 
 std::uint64_t OctreeBlock::free_bits(std::size_t word, const StateLevels& levels) const {
-  return ~bits_at_least(log_odds.data() + 64 * word, levels.free_end());
+  return ~kernels::bits_at_least(log_odds.data() + 64 * word, levels.free_end());
 }
 
 std::uint64_t OctreeBlock::occupied_bits(std::size_t word, const StateLevels& levels) const {
-  return bits_at_least(log_odds.data() + 64 * word, levels.occupied_min);
+  return kernels::bits_at_least(log_odds.data() + 64 * word, levels.occupied_min);
 }
 
 ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const {
@@ -127,7 +66,7 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
   out.states = states(levels);
   out.occupied.reserve(leaves.size());
   for (std::size_t word = 0; word < seen.size(); ++word) {
-    for_each_bit(occupied_bits(word, levels), [&](int bit) {
+    kernels::for_each_bit(occupied_bits(word, levels), [&](int bit) {
       const int offset = static_cast<int>(64 * word) + bit;
       const SurfaceLeaf* leaf = leaves.find(offset);
       out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
@@ -145,7 +84,7 @@ VoxelBits OctreeBlock::own_free(const StateLevels& levels) const {
   VoxelBits out;
   for (std::size_t word = 0; word < out.size(); ++word) {
     out[word] = seen[word] & free_bits(word, levels);
-    for_each_bit(out[word] & leaves.bits()[word], [&](int bit) {
+    kernels::for_each_bit(out[word] & leaves.bits()[word], [&](int bit) {
       if (leaves.find(static_cast<int>(64 * word) + bit)->recent_scans > 0) out[word] &= ~(std::uint64_t{1} << bit);
     });
   }

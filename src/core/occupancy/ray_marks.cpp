@@ -6,9 +6,9 @@
 #include <cstring>
 #include <numeric>
 
-#include "base/lanes.hpp"
-#include "occupancy/byte_ops.hpp"
-#include "ray_walk.hpp"
+#include "kernels/bits.hpp"
+#include "kernels/ray_walk.hpp"
+#include "kernels/row_sets.hpp"
 
 namespace voxnav::occupancy {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "words of a line are read as rows of 16 voxels");
 
 constexpr int kSide = geometry::kBlockSide;
-constexpr int kWord = 1 << ray_walk::kWordShift;
+constexpr int kWord = 1 << kernels::ray_walk::kWordShift;
 
 struct Axes {
   int a, b, c;
@@ -31,24 +31,6 @@ int face_through(const geometry::Vec3f& way) {
   return static_cast<int>(2u * is_y + 4u * is_z + is_up);
 }
 
-struct Extent {
-  float low, high;
-};
-/// Of some numbers and one more.
-Extent extent_of(const float* begin, const float* end, float other) {
-  using namespace base::lanes;  // NOLINT: the vector types of this function
-  Floats low = Floats{} + other, high = low;
-  const float* at = begin;
-  for (; end - at >= kLanes; at += kLanes) {
-    low = smaller(low, loaded<Floats>(at));
-    high = larger(high, loaded<Floats>(at));
-  }
-  Extent out{other, other};
-  for (int i = 0; i < kLanes; ++i) out = {std::min(out.low, low[i]), std::max(out.high, high[i])};
-  for (; at < end; ++at) out = {std::min(out.low, *at), std::max(out.high, *at)};
-  return out;
-}
-
 /// 16 rows of 16 voxels of an image, and whether any is marked.
 struct Rows {
   std::uint16_t row[kSide];
@@ -61,18 +43,6 @@ struct Rows {
     return any != 0;
   }
 };
-
-/// What any of 16 times `count` words holds, `step` words apart.
-VOXNAV_INLINE void unite(const std::uint32_t* from, std::size_t count, std::ptrdiff_t step, std::uint32_t* all) {
-  std::memcpy(all, from, count * sizeof *all);
-  for (int i = 1; i < kSide; ++i) {
-    const std::uint32_t* next = from + i * step;
-    for (std::size_t k = 0; k < count; ++k) all[k] |= next[k];
-  }
-}
-VOXNAV_WIDE void unite_wide(const std::uint32_t* from, std::size_t count, std::ptrdiff_t step, std::uint32_t* all) {
-  unite(from, count, step, all);
-}
 
 }  // namespace
 
@@ -122,9 +92,9 @@ void RayMarks::cast(int nth) {
   clear(which);
   const Axes axes = axes_of(which);
   const auto from = [&](int axis) { return along_[static_cast<std::size_t>(axis)].data() + face.rays_begin; };
-  ray_walk::mark_rays({from(0), from(1), from(2), face.rays_end - face.rays_begin, origin_[axes.a], origin_[axes.b],
-                       origin_[axes.c], (which & 1) != 0},
-                      {face.words.data(), face.zero, face.step_b, face.step_c, fraction_bits_});
+  kernels::ray_walk::mark_rays({from(0), from(1), from(2), face.rays_end - face.rays_begin, origin_[axes.a],
+                                origin_[axes.b], origin_[axes.c], (which & 1) != 0},
+                               {face.words.data(), face.zero, face.step_b, face.step_c, fraction_bits_});
   find_crossed(which);
 }
 
@@ -134,7 +104,8 @@ void RayMarks::find_reach(int which) {
   const int axis_of[3] = {axes.a, axes.b, axes.c};
   for (std::size_t k = 0; k < 3; ++k) {
     const float* at = along_[k].data();
-    const Extent extent = extent_of(at + face.rays_begin, at + face.rays_end, origin_[axis_of[k]]);
+    const kernels::Extent extent =
+        kernels::extent_of(at + face.rays_begin, face.rays_end - face.rays_begin, origin_[axis_of[k]]);
     face.reach[k] = {static_cast<std::int32_t>(extent.low) / kSide, static_cast<std::int32_t>(extent.high) / kSide + 1};
   }
 }
@@ -163,7 +134,7 @@ void RayMarks::find_crossed(int which) {
     for (std::int32_t block_b = b.low; block_b < b.high; ++block_b) {
       const std::uint32_t* first =
           face.words.data() + (face.zero + first_word + block_b * kSide * face.step_b + block_c * kSide * face.step_c);
-      (base::is_wide() ? unite_wide : unite)(first, all.size(), face.step_c, all.data());
+      kernels::unite_rows(first, all.size(), face.step_c, all.data());
       for (std::int32_t block_a = a.low; block_a < a.high; ++block_a) {
         std::uint32_t any = 0;
         const auto word = static_cast<std::size_t>(block_a * kSide / kWord - first_word);
@@ -202,7 +173,7 @@ void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
       if (!rows.load(line_of(which, at[axes.a], at[axes.b], at[axes.c] + c),
                      static_cast<std::ptrdiff_t>(face.step_b) * 4))
         continue;
-      if (axes.a != 0) transpose_16(rows.row, turned);
+      if (axes.a != 0) kernels::transpose_16(rows.row, turned);
       // Rows are along x now, one for each b (axis x) or each a.
       for (int i = 0; i < kSide; ++i) {
         const int y = axes.a == 2 ? c : i, z = axes.a == 2 ? i : c;

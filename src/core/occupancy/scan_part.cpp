@@ -6,48 +6,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/lanes.hpp"
-#include "point_batch.hpp"
-
 namespace voxnav::occupancy {
-namespace {
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
-
-/// Where the points of a batch end.
-struct PlacedBatch {
-  alignas(32) std::int32_t is_end[PointBatch::kSize];  ///< 0 = not a hit in the window
-  alignas(32) std::int32_t voxel[3][PointBatch::kSize];
-  alignas(32) float offset[3][PointBatch::kSize];  ///< from the voxel's centre
-};
-
-VOXNAV_INLINE void place(const PointBatch& batch, const ScanFrame& frame, PlacedBatch* out) {
-  const float nearest_sq = frame.nearest_m * frame.nearest_m;
-  const float farthest_sq = frame.farthest_m * frame.farthest_m;
-  for (std::size_t i = 0; i < PointBatch::kSize; i += kLanes) {
-    const auto x = loaded<Floats>(batch.x + i), y = loaded<Floats>(batch.y + i), z = loaded<Floats>(batch.z + i);
-    const Floats range_sq = x * x + y * y + z * z;
-    Ints is_end = (range_sq >= nearest_sq) & (range_sq <= farthest_sq);  // comparisons that NaN fails
-    for (int axis = 0; axis < 3; ++axis) {
-      const Floats end = frame.origin[axis] +
-                         (frame.rotation(axis, 0) * x + frame.rotation(axis, 1) * y + frame.rotation(axis, 2) * z);
-      const Ints is_inside = (end >= frame.low[axis]) & (end <= frame.high[axis]);
-      is_end &= is_inside;
-      const Floats safe = is_inside ? end : Floats{};
-      // Coordinates in the window are never negative, so truncation is floor.
-      const Ints voxel = truncated(safe);
-      store(voxel, out->voxel[axis] + i);
-      store(safe - (floats(voxel) + 0.5f), out->offset[axis] + i);
-    }
-    store(is_end, out->is_end + i);
-  }
-}
-
-VOXNAV_WIDE void place_wide(const PointBatch& batch, const ScanFrame& frame, PlacedBatch* out) {
-  place(batch, frame, out);
-}
-
-}  // namespace
+using kernels::PointBatch;
 
 geometry::Vec3f ScanFrame::clipped(const geometry::Vec3f& end) const {
   float share = 1.0f;
@@ -75,14 +36,14 @@ void ScanPart::add(const float* points, std::size_t n, std::size_t stride, const
 
 void ScanPart::add_chunk(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
   PointBatch batch;
-  PlacedBatch placed;
+  kernels::PlacedBatch placed;
   EndRun run;
   const auto flush = [&] {
     if (run.voxel.x >= 0) runs_.push_back(run);
   };
   for (std::size_t begin = 0; begin < n; begin += PointBatch::kSize) {
     const std::size_t count = batch.load(points + begin * stride, n - begin, stride);
-    (base::is_wide() ? place_wide : place)(batch, frame, &placed);
+    kernels::place_points(batch, frame, &placed);
     for (std::size_t i = 0; i < count; ++i) {
       if (placed.is_end[i] == 0) {
         add_odd(geometry::Vec3f(batch.x[i], batch.y[i], batch.z[i]), frame);

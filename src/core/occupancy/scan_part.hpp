@@ -3,18 +3,14 @@
 
 #include <vector>
 
+#include "kernels/place_points.hpp"
+#include "kernels/point_sum.hpp"
 #include "voxnav/geometry/voxel.hpp"
 
 namespace voxnav::occupancy {
 
-/// How points of one scan are turned into ends of rays. Window coordinates: voxel edges from the window's corner, in
-/// single precision, which holds 10^-3 of a voxel up to 10^4 voxels.
-struct ScanFrame {
-  Eigen::Matrix3f rotation;  ///< metres of frame L to voxel edges along the window's axes
-  geometry::Vec3f origin;    ///< the sensor in window coordinates
-  Eigen::Array3f low, high;  ///< ends of rays lie in here
-  float nearest_m;
-  float farthest_m;
+/// How points of one scan are turned into ends of rays.
+struct ScanFrame : kernels::PlacementFrame {
   bool clear_beyond_range;
 
   bool contains(const geometry::Vec3f& end) const { return (end.array() >= low).all() && (end.array() <= high).all(); }
@@ -22,33 +18,9 @@ struct ScanFrame {
   geometry::Vec3f clipped(const geometry::Vec3f& end) const;
 };
 
-/// Sums of points and their products, from the centre of their voxel.
-struct PointSum {
-  /// The compiler's vector type: a row is then put together in a register, where others are written to memory first.
-  using Row = float __attribute__((vector_size(16)));
-  Row first{};   ///< x y z 1
-  Row second{};  ///< xx xy xz x
-  Row third{};   ///< xy yy yz y
-  float zz = 0.0f;
-
-  void add(float x, float y, float z) {
-    const Row row{x, y, z, 1.0f};
-    first += row;
-    second += x * row;
-    third += y * row;
-    zz += z * z;
-  }
-  void add(const PointSum& other) {
-    first += other.first;
-    second += other.second;
-    third += other.third;
-    zz += other.zz;
-  }
-};
-
 /// Points of one voxel that came one after the other: neighbouring beams mostly end together, so most of the sorting
 /// is done before any voxel is looked up.
-struct EndRun : PointSum {  // derived, so that the voxel lies where the sum has padding
+struct EndRun : kernels::PointSum {  // derived, so that the voxel lies where the sum has padding
   geometry::Index3 voxel{-1, -1, -1};
 };
 

@@ -4,48 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
-
-#include "base/lanes.hpp"
-#include "occupancy/byte_ops.hpp"
 
 namespace voxnav::occupancy {
 
 namespace {
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
-
-/// std::lrint() is a call without -fno-math-errno; halves away from zero.
+/// Rounds halves away from zero; std::lrint() is a call without -fno-math-errno.
 std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + std::copysign(0.5f, value)); }
-VOXNAV_INLINE Ints rounded(Floats value) {
-  return truncated(value + (value < 0.0f ? Floats{} - 0.5f : Floats{} + 0.5f));
-}
-VOXNAV_INLINE Floats clamped(Floats value, float limit) {
-  return smaller(larger(value, Floats{} - limit), Floats{} + limit);
-}
 
-constexpr float kCovarianceUnit = 1.0f / SurfaceLeaf::kCovarianceUnits;  // divisions are slow
-
-using Shorts = std::int16_t __attribute__((vector_size(16)));
-
-/// Eight of a leaf's numbers from `at` on, of which those that do not belong together are ignored.
-VOXNAV_INLINE Floats loaded_from(const SurfaceLeaf& leaf, std::size_t at) {
-  Shorts out;
-  std::memcpy(&out, reinterpret_cast<const char*>(&leaf) + at, sizeof out);
-  return floats(__builtin_convertvector(out, Ints));
-}
-/// Six of them back.
-VOXNAV_INLINE void store_six(Floats values, SurfaceLeaf* leaf, std::size_t at) {
-  const Shorts out = __builtin_convertvector(rounded(values), Shorts);
-  std::memcpy(reinterpret_cast<char*>(leaf) + at, &out, 6 * sizeof(std::int16_t));
-}
-constexpr std::size_t kCovarianceAt = offsetof(SurfaceLeaf, covariance);
-constexpr std::size_t kMeansAt = offsetof(SurfaceLeaf, mean);
-static_assert(kMeansAt + sizeof(SurfaceLeaf::mean) == offsetof(SurfaceLeaf, recent_mean), "read together");
+// What kernels::StoredMoments asks for: six numbers each, and two more behind them.
+static_assert(offsetof(SurfaceLeaf, mean) + sizeof(SurfaceLeaf::mean) == offsetof(SurfaceLeaf, recent_mean));
+static_assert(offsetof(SurfaceLeaf, covariance) + 16 <= sizeof(SurfaceLeaf));
+static_assert(offsetof(SurfaceLeaf, mean) + 16 <= sizeof(SurfaceLeaf));
 
 }  // namespace
 
-VOXNAV_INLINE void SurfaceLeaf::add(const PointSpread& hits, int number) {
+void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
   if (scans < 255) ++scans;
   if (recent_scans < 65535) ++recent_scans;
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
@@ -53,28 +27,11 @@ VOXNAV_INLINE void SurfaceLeaf::add(const PointSpread& hits, int number) {
   const float later = static_cast<float>(kTimeUnits * number) - static_cast<float>(recent_time);
   recent_time = static_cast<std::uint16_t>(static_cast<float>(recent_time) + recent_share * later + 0.5f);
   const auto hit = [&](int axis) { return std::min(std::max(hits.mean[axis], -0.5f), 0.5f); };
-  const float x = hit(0), y = hit(1), z = hit(2);
-  const auto moved = [&](float to, int axis) { return to - static_cast<float>(mean[axis]) * (0.5f / kMeanUnits); };
-  const float dx = moved(x, 0), dy = moved(y, 1), dz = moved(z, 2);
-  const Floats means = loaded_from(*this, kMeansAt);
-  const Floats shares{share, share, share, recent_share, recent_share, recent_share, 0.0f, 0.0f};
-  store_six(means + shares * (Floats{x, y, z, x, y, z, 0.0f, 0.0f} * (2.0f * kMeanUnits) - means), this, kMeansAt);
-  // Covariance of a mixture of two sets of points.
-  const auto& c = hits.covariance;
-  const Floats products{dx * dx, dx * dy, dx * dz, dy * dy, dy * dz, dz * dz, 0.0f, 0.0f};
-  const Floats mixed = (1.0f - share) * (loaded_from(*this, kCovarianceAt) * kCovarianceUnit + share * products) +
-                       share * Floats{c[0], c[1], c[2], c[3], c[4], c[5], 0.0f, 0.0f};
-  store_six(clamped(mixed, 0.25f) * kCovarianceUnits, this, kCovarianceAt);
+  kernels::blend_moments({{hit(0), hit(1), hit(2)}, hits.covariance, share, recent_share},
+                         {covariance.data(), mean.data()});
   patience = std::max(patience, seen_through);
   seen_through = 0;
   octants = 0;
-}
-
-void SurfaceLeaf::add_plain(const PointSpread& hits, int number) { add(hits, number); }
-VOXNAV_WIDE void SurfaceLeaf::add_wide(const PointSpread& hits, int number) { add(hits, number); }
-
-void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
-  base::is_wide() ? add_wide(hits, number) : add_plain(hits, number);
 }
 
 bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
@@ -115,13 +72,13 @@ void SurfaceLeaves::assign(const VoxelBits& bits) {
   std::size_t count = 0;
   for (int word = 0; word < 64; ++word) {
     first[word] = static_cast<std::uint16_t>(count);
-    count += count_bits(bits[word]);
+    count += kernels::count_bits(bits[word]);
   }
   std::vector<SurfaceLeaf> packed(count);
   for (int word = 0; word < 64; ++word) {
     const SurfaceLeaf* old = leaves_.data() + first_[word];
     SurfaceLeaf* next = packed.data() + first[word];
-    for_each_bit(bits[word] | bits_[word], [&](int bit) {
+    kernels::for_each_bit(bits[word] | bits_[word], [&](int bit) {
       const bool was = ((bits_[word] >> bit) & 1u) != 0, is = ((bits[word] >> bit) & 1u) != 0;
       if (was && is) *next = *old;
       old += was ? 1 : 0;

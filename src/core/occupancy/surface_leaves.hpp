@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
+#include "kernels/blend_moments.hpp"
 #include "voxnav/geometry/voxel.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
@@ -31,8 +32,8 @@ struct SurfaceLeaf {
   std::uint16_t recent_scans = 0;             ///< saturates
   std::uint16_t recent_time = 0;              ///< mean number of these scans since the handover; a scan = kTimeUnits
 
-  static constexpr float kMeanUnits = 32000.0f;
-  static constexpr float kCovarianceUnits = 120000.0f;  ///< points in a voxel spread by a quarter at most
+  static constexpr float kMeanUnits = kernels::kMeanUnits;
+  static constexpr float kCovarianceUnits = kernels::kCovarianceUnits;
   /// Mean hit point from the voxel centre, in voxel edges.
   geometry::Vec3f offset() const { return geometry::Vec3f(mean[0], mean[1], mean[2]) * (0.5f / kMeanUnits); }
   /// Adds one scan's hits. Scans weigh alike up to kMemory of them; after that old ones fade, so that the mean follows
@@ -46,11 +47,6 @@ struct SurfaceLeaf {
   static constexpr int kMaxNumber = 65535 / kTimeUnits;
   /// @param num_scans  since the last handover
   OccupiedLeaf quantised(int offset_in_block, int num_scans) const;
-
- private:
-  void add(const PointSpread& hits, int number);
-  void add_plain(const PointSpread& hits, int number);
-  void add_wide(const PointSpread& hits, int number);
 };
 
 static_assert(sizeof(SurfaceLeaf) == 32, "two registers");
@@ -74,7 +70,7 @@ class SurfaceLeaves {
  private:
   std::size_t rank(int offset) const {
     const std::uint64_t below = (std::uint64_t{1} << (offset & 63)) - 1;
-    return first_[offset >> 6] + count_bits(bits_[offset >> 6] & below);
+    return first_[offset >> 6] + kernels::count_bits(bits_[offset >> 6] & below);
   }
 
   VoxelBits bits_{};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/lanes.hpp"
 #include "occupancy/beam_image.hpp"
 #include "occupancy/scan_part.hpp"
 #include "occupancy/surface_leaves.hpp"
@@ -28,19 +27,11 @@ class SurfaceSight {
 
  private:
   struct Group;
-  struct Beams;
-  // `first_center`: of the block's first voxel, from the sensor along the window's axes, voxel edges.
-  void look(const geometry::Vec3f& first_center, Group* group) const;
-  void look_plain(const geometry::Vec3f& first_center, Group* group) const;
-  void look_wide(const geometry::Vec3f& first_center, Group* group) const;
-  void ask(const Group& group, const geometry::Vec3f& first_center, Beams* beams, base::lanes::Ints* octants) const;
   void judge(const geometry::Vec3f& first_center, Group* group, VoxelBits* out) const;
 
   const BeamImage& beams_;
   geometry::Vec3f origin_;
-  Eigen::Matrix3f rotation_;  ///< metres of frame L to voxel edges along the window's axes
-  float resolution_m_;
-  float longest_;  ///< beam, voxel edges
+  kernels::SightRules rules_;
   MissGuard guard_;
 };
 

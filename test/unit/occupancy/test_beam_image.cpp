@@ -4,13 +4,14 @@
 #include <random>
 #include <set>
 
+#include "kernels/beam_places.hpp"
 #include "occupancy/beam_image.hpp"
 #include "voxnav/geometry/pose.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Vec3f;
 using occupancy::BeamImage;
-namespace lanes = base::lanes;
+namespace lanes = kernels::lanes;
 
 namespace {
 
@@ -30,15 +31,15 @@ std::vector<Vec3f> random_ends(unsigned seed, std::size_t n) {
 
 /// The numbers of the beams that the image gives for a ball.
 std::set<std::uint32_t> beams_near(const BeamImage& image, const Vec3f& center, float radius, float shortest) {
-  BeamImage::Places places;
-  image.find(lanes::Floats{} + center.x(), lanes::Floats{} + center.y(), lanes::Floats{} + center.z(), radius,
-             lanes::Floats{} + shortest, &places);
+  kernels::BeamPlaces places;
+  kernels::find_places(image.images(), lanes::Floats{} + center.x(), lanes::Floats{} + center.y(),
+                       lanes::Floats{} + center.z(), radius, lanes::Floats{} + shortest, &places);
   std::set<std::uint32_t> out;
   const int lane = 5;  // all are alike
   for (int v = 0; v < places.height[lane]; ++v) {
     for (int u = 0; u < places.width[lane]; ++u) {
-      const BeamImage::Pixel pixel = places.first[lane][v * places.side[lane] + u];
-      if (pixel >= places.least[lane]) out.insert(static_cast<std::uint32_t>(pixel & BeamImage::kBeamMask));
+      const kernels::BeamPixel pixel = places.first[lane][v * places.side[lane] + u];
+      if (pixel >= places.least[lane]) out.insert(static_cast<std::uint32_t>(pixel & kernels::kBeamMask));
     }
   }
   return out;
@@ -79,7 +80,7 @@ TEST(BeamImage, GivesNoBeamThatIsShorterOrElsewhere) {
   const std::vector<Vec3f> ends = random_ends(3, 40000);
   BeamImage image;
   image.build(ends.front().data(), ends.size(), 3, 0.5f, kFarthest_m, false);
-  const float step_m = kFarthest_m / (BeamImage::kMaxRange - 1);
+  const float step_m = kFarthest_m / (kernels::kMaxBeamRange - 1);
   for (const Vec3f& center : random_ends(4, 500)) {
     const float radius = 0.3f, shortest = center.norm() + 0.4f;
     for (const std::uint32_t i : beams_near(image, center, radius, shortest)) {
@@ -116,7 +117,7 @@ TEST(BeamImage, MoreThanAMillionPointsAreTakenInPart) {
   ASSERT_FALSE(beams.empty());
   bool is_found = false;
   for (const std::uint32_t i : beams) {
-    const float* end = image.end_of(i);
+    const float* end = image.images().ends + i * image.images().stride;
     is_found = is_found || Vec3f(end[0], end[1], end[2]) == ends[10];
   }
   EXPECT_TRUE(is_found);

@@ -3,7 +3,6 @@
 
 #include <random>
 
-#include "occupancy/byte_ops.hpp"
 #include "occupancy/log_odds.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -52,49 +51,6 @@ TEST(LogOdds, ThresholdsThemselvesAreUnknown) {
   EXPECT_EQ(levels.of(scale.prior + scale.hit + 1), containers::State::kOccupied);
   EXPECT_EQ(levels.of(scale.prior - scale.miss), containers::State::kUnknown);
   EXPECT_EQ(levels.of(scale.prior - 2 * scale.miss), containers::State::kFree);
-}
-
-TEST(ByteOps, VectorAndPlainSubtractionAgree) {
-  std::mt19937_64 rng(5);
-  for (int trial = 0; trial < 100; ++trial) {
-    std::array<std::uint8_t, 64> a{};
-    for (auto& v : a) v = static_cast<std::uint8_t>(rng());
-    auto b = a;
-    const std::uint64_t mask = rng() & rng();
-    const occupancy::Subtraction by{11, 40, 90};
-    auto c = a;
-    const auto plain = occupancy::subtract_where_plain(b.data(), mask, by);
-    const auto expect_same = [&](const occupancy::Subtracted& done, const std::array<std::uint8_t, 64>& cells) {
-      EXPECT_EQ(done.any_changed, plain.any_changed);
-      EXPECT_EQ(done.crossed_free, plain.crossed_free);
-      EXPECT_EQ(done.crossed_occupied, plain.crossed_occupied);
-      EXPECT_EQ(cells, b);
-    };
-    expect_same(occupancy::subtract_where(a.data(), mask, by), a);
-    if (base::is_wide()) expect_same(occupancy::subtract_where_wide(c.data(), mask, by), c);
-  }
-}
-
-TEST(ByteOps, FindsTheCellsThatAreAtLeastSoMuch) {
-  std::uint8_t cells[64];
-  for (int i = 0; i < 64; ++i) cells[i] = static_cast<std::uint8_t>(i * 41);
-  for (const int limit : {0, 1, 41, 127, 128, 200, 255, 256}) {
-    const std::uint64_t bits = voxnav::occupancy::bits_at_least(cells, limit);
-    for (int i = 0; i < 64; ++i) EXPECT_EQ((bits >> i) & 1u, cells[i] >= limit ? 1u : 0u) << i << " " << limit;
-  }
-}
-
-TEST(ByteOps, TransposesBitMatrices) {
-  std::mt19937_64 rng(6);
-  for (int trial = 0; trial < 100; ++trial) {
-    std::array<std::uint16_t, 16> in{};
-    for (auto& row : in) row = static_cast<std::uint16_t>(rng() & rng());
-    std::array<std::uint16_t, 16> out{};
-    occupancy::transpose_16(in.data(), out.data());
-    for (int k = 0; k < 16; ++k) {
-      for (int i = 0; i < 16; ++i) EXPECT_EQ((out[k] >> i) & 1, (in[i] >> k) & 1);
-    }
-  }
 }
 
 TEST(LocalMapConfig, WindowsThatDoNotFitMemoryAreRefusedWithTheFigure) {

@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "base/processor.hpp"
+#include "instruction_sets.hpp"
 #include "occupancy/ray_marks.hpp"
 #include "scan_maker.hpp"
 
@@ -17,16 +17,6 @@ using occupancy::ScanBox;
 namespace {
 
 const std::array<int, 3> kWindow{9, 7, 5};
-
-/// With the instructions of this processor, then without.
-template <class Test>
-void with_both(Test test) {
-  for (const bool wide : {true, false}) {
-    base::use_wide(wide);
-    test();
-  }
-  base::use_wide(true);
-}
 
 void cast(RayMarks* marks, const ScanBox& box, const std::vector<geometry::Vec3f>& ends, const Vec3& origin) {
   marks->begin(box, ends, origin);
@@ -95,7 +85,7 @@ Vec3 random_point(std::mt19937* rng) {
 }  // namespace
 
 TEST(RayMarks, MarksWhatASegmentCrosses) {
-  with_both([] {
+  test::with_every_instruction_set([] {
     const ScanBox box(kWindow, {0, 0, 0}, {kWindow[0] - 1, kWindow[1] - 1, kWindow[2] - 1});
     std::mt19937 rng(3);
     RayMarks marks;
@@ -112,7 +102,7 @@ TEST(RayMarks, MarksWhatASegmentCrosses) {
 }
 
 TEST(RayMarks, ManyRaysMarkWhatEachOfThemMarks) {
-  with_both([] {
+  test::with_every_instruction_set([] {
     const ScanBox box(kWindow, {1, 0, 1}, {kWindow[0] - 1, kWindow[1] - 1, kWindow[2] - 2});
     std::mt19937 rng(4);
     const Vec3 origin(50.0, 40.0, 30.0);
@@ -135,7 +125,7 @@ TEST(RayMarks, ManyRaysMarkWhatEachOfThemMarks) {
 
 TEST(Processor, EveryInstructionSetGivesTheSameMap) {
   std::vector<std::string> maps;
-  with_both([&] {
+  test::with_every_instruction_set([&] {
     occupancy::LocalMapConfig config;
     config.window_size_m = {26, 26, 14};
     config.max_range_m = 12.0;
@@ -145,5 +135,5 @@ TEST(Processor, EveryInstructionSetGivesTheSameMap) {
     }
     maps.push_back(map.to_bytes());
   });
-  EXPECT_EQ(maps[0], maps[1]);
+  for (const std::string& map : maps) EXPECT_EQ(map, maps[0]);
 }

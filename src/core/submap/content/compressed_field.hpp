@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/bytes.hpp"
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
 #include "submap/content/column_block.hpp"
 #include "submap/projective/field_block.hpp"
 #include "voxnav/containers/state_grid.hpp"
@@ -183,7 +183,7 @@ class CompressedField {
   static bool has(std::uint64_t cells, int cell) { return (cells >> cell) & 1u; }
   /// So many of these cells come before a cell.
   static std::size_t rank(std::uint64_t cells, int cell) {
-    return occupancy::count_bits(cells & ((std::uint64_t{1} << cell) - 1));
+    return kernels::count_bits(cells & ((std::uint64_t{1} << cell) - 1));
   }
   std::size_t near_of(const Block& block, int cell) const { return block.first_near + rank(block.near_cells, cell); }
   std::uint64_t occupied_of(const Block& block, int cell) const {

@@ -118,7 +118,7 @@ void CompressedField::add_block(const occupancy::ContentBlock& content) {
     std::memcpy(states.data(), moved.data(), moved.size());
     const std::uint64_t free = bit_of_each(states, 0), occupied = bit_of_each(states, 1);
     const std::vector<LeafPair>& leaves = by_cell[static_cast<std::size_t>(cell)];
-    if (occupancy::count_bits(occupied) != leaves.size())
+    if (kernels::count_bits(occupied) != leaves.size())
       throw std::invalid_argument("map content has leaves that do not match its states");
     add_cell(cell, free, occupied, nullptr, &block);
     add_own_free(cell, bits_of_cell(content.own_free, cell), free, &block);
@@ -178,7 +178,7 @@ std::vector<std::uint32_t> CompressedField::counts_before(const std::vector<std:
   std::uint32_t count = 0;
   for (const std::uint64_t word : words) {
     out.push_back(count);
-    count += occupancy::count_bits(word);
+    count += kernels::count_bits(word);
   }
   return out;
 }
@@ -196,10 +196,10 @@ void CompressedField::link() {
     Block& block = blocks_[i];
     block.first_leaf = leaf;
     std::uint32_t num_leaves = 0;
-    const std::size_t end_near = block.first_near + occupancy::count_bits(block.near_cells);
+    const std::size_t end_near = block.first_near + kernels::count_bits(block.near_cells);
     for (std::size_t near = block.first_near; near < end_near; ++near) {
       leaf_offsets_.push_back(static_cast<std::uint16_t>(num_leaves));
-      num_leaves += occupancy::count_bits(occupied_[near]);
+      num_leaves += kernels::count_bits(occupied_[near]);
     }
     leaf += num_leaves;
     block.has_own = has_values_ || (block.own_cells | block.partly_own_cells) != 0 || has_own_leaf(block, num_leaves);

@@ -72,9 +72,9 @@ void CompressedField::read_blocks(base::ByteReader* in) {
     block.first_near = static_cast<std::uint32_t>(near);
     block.first_free = static_cast<std::uint32_t>(free);
     block.first_own_free = static_cast<std::uint32_t>(own_free);
-    near += occupancy::count_bits(block.near_cells);
-    free += occupancy::count_bits(block.mixed_cells);
-    own_free += occupancy::count_bits(block.partly_own_cells);
+    near += kernels::count_bits(block.near_cells);
+    free += kernels::count_bits(block.mixed_cells);
+    own_free += kernels::count_bits(block.partly_own_cells);
   }
   if (near != occupied_.size() || free != free_.size()) in->fail("has cells that do not match its blocks");
 }
@@ -97,7 +97,7 @@ void CompressedField::read_own(base::ByteReader* in) {
   const auto get_bits = [&](std::size_t count, std::size_t num_set, std::vector<std::uint64_t>* bits) {
     bits->resize((count + 63) / 64);
     in->get_raw(bits->data(), bits->size() * sizeof(std::uint64_t));
-    for (const std::uint64_t word : *bits) num_set -= occupancy::count_bits(word);
+    for (const std::uint64_t word : *bits) num_set -= kernels::count_bits(word);
     const bool is_beyond = count % 64 != 0 && (bits->back() >> (count % 64)) != 0;
     if (is_beyond || num_set != 0) in->fail("has own hits that do not match its leaves");
   };
@@ -110,7 +110,7 @@ void CompressedField::check(const base::ByteReader& in) const {
   std::size_t num_occupied = 0;
   for (const std::uint64_t word : occupied_) {
     if (word == 0 && !has_values_) in.fail("has a cell of surfaces without any");
-    num_occupied += occupancy::count_bits(word);
+    num_occupied += kernels::count_bits(word);
   }
   if (num_occupied != leaves_.size()) in.fail("has leaves that do not match its states");
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -128,7 +128,7 @@ void CompressedField::check_own_free(const base::ByteReader& in) const {
   std::size_t next = 0;
   for (const Block& block : blocks_) {
     if ((block.own_cells & block.partly_own_cells) != 0) in.fail("has cells that are own both in part and as a whole");
-    next += occupancy::count_bits(block.partly_own_cells);
+    next += kernels::count_bits(block.partly_own_cells);
   }
   if (has_values_ && next != 0) in.fail("has own free space beside measured distances");
   if (next != own_free_.size()) in.fail("has own free space that does not match its cells");

@@ -67,8 +67,8 @@ bool CompressedField::has_memory() const {
 
 CompressedField::OwnPlace CompressedField::own_place(std::size_t leaf) const {
   const auto before = [](const auto& bits, const auto& counts, std::size_t i) {
-    if ((i >> 6) == bits.size()) return bits.empty() ? 0u : counts.back() + occupancy::count_bits(bits.back());
-    return counts[i >> 6] + occupancy::count_bits(bits[i >> 6] & ((std::uint64_t{1} << (i & 63)) - 1));
+    if ((i >> 6) == bits.size()) return bits.empty() ? 0u : counts.back() + kernels::count_bits(bits.back());
+    return counts[i >> 6] + kernels::count_bits(bits[i >> 6] & ((std::uint64_t{1} << (i & 63)) - 1));
   };
   const std::size_t own = before(own_bits_, own_before_, leaf);
   return {own, before(changed_bits_, changed_before_, own)};

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "occupancy/byte_ops.hpp"
+#include "kernels/bits.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -67,7 +67,7 @@ void FieldWindow::number_leaves() {
   unsigned count = 0;
   for (std::size_t row = 0; row < occupied_.size(); ++row) {
     first_leaf_[row] = static_cast<std::uint16_t>(count);
-    if (occupied_[row] != 0) count += occupancy::count_bits(occupied_[row]);
+    if (occupied_[row] != 0) count += kernels::count_bits(occupied_[row]);
   }
   next_leaf_ = first_leaf_;
   leaves_.resize(count);

@@ -15,7 +15,7 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3f;
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
+using namespace kernels::lanes;  // NOLINT: the vector types of this file
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr int kHalo = FieldWindow::kHalo;
@@ -136,7 +136,7 @@ class Deriver {
     if (window_.leaves().empty()) return nullptr;
     auto out = std::make_shared<DistanceBlock>(field.band());
     squared_.fill(kFar);
-    (base::is_wide() ? measure_free_wide : measure_free_plain)(window_, band_, &squared_, out.get());
+    (kernels::is_wide() ? measure_free_wide : measure_free_plain)(window_, band_, &squared_, out.get());
     list_unknown();
     find_ghosts();
     estimate_normals(window_, near_, &normals_);

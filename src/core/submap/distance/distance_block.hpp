@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "base/lanes.hpp"
+#include "kernels/lanes.hpp"
 #include "submap/content/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -26,11 +26,11 @@ class DistanceBlock {
   /// @param distance voxel edges, between -band and band
   void set(int x, int y, int z, float distance);
   /// The distances, from 0 on, of some of eight voxels along x; the others have none.
-  VOXNAV_INLINE void set_eight(int x, int y, int z, base::lanes::Floats distance, base::lanes::Ints which) {
+  VOXNAV_INLINE void set_eight(int x, int y, int z, kernels::lanes::Floats distance, kernels::lanes::Ints which) {
     using Codes = std::int16_t __attribute__((vector_size(16)));
-    const base::lanes::Floats code = base::lanes::smaller(distance / scale_, base::lanes::Floats{} + 32767.f) + 0.5f;
-    const base::lanes::Ints codes = which ? base::lanes::truncated(code) : base::lanes::Ints{} + kNone;
-    base::lanes::store(__builtin_convertvector(codes, Codes), &codes_[at(x, y, z)]);
+    const kernels::lanes::Floats code = kernels::lanes::smaller(distance / scale_, kernels::lanes::Floats{} + 32767.f) + 0.5f;
+    const kernels::lanes::Ints codes = which ? kernels::lanes::truncated(code) : kernels::lanes::Ints{} + kNone;
+    kernels::lanes::store(__builtin_convertvector(codes, Codes), &codes_[at(x, y, z)]);
   }
   bool is_empty() const;
 

@@ -3,14 +3,14 @@
 #include <array>
 #include <cmath>
 
-#include "base/lanes.hpp"
-#include "occupancy/byte_ops.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/bits.hpp"
 #include "submap/content/field_window.hpp"
 
 namespace voxnav::submap {
 namespace {
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
+using namespace kernels::lanes;  // NOLINT: the vector types of this file
 using containers::State;
 using geometry::Vec3f;
 
@@ -56,7 +56,7 @@ VOXNAV_INLINE void look_around(const FieldWindow& window, const WindowLeaf& leaf
     const int z = leaf.z + row / 3 - 1;
     towards_free += loaded<Quad>(&sums[static_cast<std::size_t>(row)][(window.free(y, z) >> shift) & 7u]);
     const std::uint32_t occupied = window.occupied(y, z);
-    const unsigned first = window.first_leaf(y, z) + occupancy::count_bits(occupied & ((1u << shift) - 1u));
+    const unsigned first = window.first_leaf(y, z) + kernels::count_bits(occupied & ((1u << shift) - 1u));
     for (unsigned k = 0; k < 3; ++k) others[num_others + k] = first + k;
     num_others += kCount[(occupied >> shift) & 7u];
   }
@@ -208,7 +208,7 @@ void estimate_normals(const FieldWindow& window, const std::vector<std::uint16_t
   std::size_t count = 0;
   const auto finish = [&] {
     for (std::size_t k = count; k < kLanes; ++k) which[k] = which[0];
-    (base::is_wide() ? look_at_wide : look_at_plain)(window, which.data(), sums, &batch, &planes);
+    (kernels::is_wide() ? look_at_wide : look_at_plain)(window, which.data(), sums, &batch, &planes);
     for (std::size_t k = 0; k < count; ++k) {
       (*normals)[place[k]] =
           judge(window, window.leaves()[which[k]], batch[k], Vec3f(planes[0][k], planes[1][k], planes[2][k]));

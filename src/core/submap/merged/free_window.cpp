@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/lanes.hpp"
+#include "kernels/lanes.hpp"
 #include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -15,7 +15,7 @@ using geometry::Vec3;
 
 namespace {
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
+using namespace kernels::lanes;  // NOLINT: the vector types of this file
 
 /// Rows of a block that are laid into rows of a window.
 struct Rows {
@@ -78,7 +78,7 @@ void FreeWindow::take(const Index3& block_G, const Columns& free) {
   rows.row_length = kRowLength;
   rows.count = std::min(num_rows_, first.y + kBlockSide) - first_row;
   rows.up = first.z;
-  (base::is_wide() ? add_rows_wide : add_rows_plain)(rows);
+  (kernels::is_wide() ? add_rows_wide : add_rows_plain)(rows);
 }
 
 VOXNAV_INLINE void FreeWindow::add_centers(Columns* free) const {
@@ -102,6 +102,6 @@ VOXNAV_INLINE void FreeWindow::add_centers(Columns* free) const {
 void FreeWindow::add_centers_plain(Columns* free) const { add_centers(free); }
 VOXNAV_WIDE void FreeWindow::add_centers_wide(Columns* free) const { add_centers(free); }
 
-void FreeWindow::add_to(Columns* free) const { base::is_wide() ? add_centers_wide(free) : add_centers_plain(free); }
+void FreeWindow::add_to(Columns* free) const { kernels::is_wide() ? add_centers_wide(free) : add_centers_plain(free); }
 
 }  // namespace voxnav::submap

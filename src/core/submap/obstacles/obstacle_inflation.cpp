@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/lanes.hpp"
+#include "kernels/lanes.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -13,7 +13,7 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
+using namespace kernels::lanes;  // NOLINT: the vector types of this file
 
 constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
 
@@ -83,7 +83,8 @@ VOXNAV_WIDE void add_all_wide(const std::vector<EvidenceLeaf>& leaves, float squ
 
 void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
   const double padded = reach + kRounding;
-  (base::is_wide() ? add_all_wide : add_all_plain)(block.leaves, static_cast<float>(padded * padded), columns_.data());
+  (kernels::is_wide() ? add_all_wide : add_all_plain)(block.leaves, static_cast<float>(padded * padded),
+                                                      columns_.data());
 }
 
 void BallWindow::copy_to(const Index3& step, Columns* mask) const {

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/processor.hpp"
+#include "kernels/processor.hpp"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
-/// Eight numbers at once, in the compiler's vector types, which every processor has some instructions for. Comparisons
-/// give lanes of all ones or all zeros.
-namespace voxnav::base::lanes {
+/// Eight numbers at once, in the vector types of GCC and Clang, which every processor has some instructions for. A
+/// comparison gives a lane of all ones where it holds and of all zeros where it does not.
+namespace voxnav::kernels::lanes {
 
 constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
@@ -32,12 +32,24 @@ VOXNAV_INLINE std::int32_t highest(Ints x) {
   return out;
 }
 
-/// Exact.
+/// Lane i of the result is lane order[i] of x, 0 to 7.
+VOXNAV_INLINE Ints shuffled(Ints x, Ints order) {
+#if defined(__clang__)
+  // Clang only shuffles by orders that are known when it compiles.
+  Ints out;
+  for (int i = 0; i < kLanes; ++i) out[i] = x[order[i] & (kLanes - 1)];
+  return out;
+#else
+  return __builtin_shuffle(x, order);
+#endif
+}
+
+/// Square roots, rounded as std::sqrt rounds them.
 VOXNAV_INLINE Floats exact_root(Floats x) {
 #if defined(__SSE2__)
   __m128 halves[2];
   std::memcpy(halves, &x, sizeof x);
-  // Put together out of four doubles, since two stores of halves are slow to load as a whole.
+  // The result is put together out of four doubles, since two stores of halves are slow to load as a whole.
   using Doubles = double __attribute__((vector_size(32)));
   const __m128d low = _mm_castps_pd(_mm_sqrt_ps(halves[0])), high = _mm_castps_pd(_mm_sqrt_ps(halves[1]));
   const Doubles whole = {low[0], low[1], high[0], high[1]};
@@ -59,4 +71,4 @@ VOXNAV_INLINE void store(V x, Number* to) {
   std::memcpy(to, &x, sizeof x);
 }
 
-}  // namespace voxnav::base::lanes
+}  // namespace voxnav::kernels::lanes

@@ -4,13 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The inner loop of RayMarks: rays of one face, that is with the same longest axis a and the same sense along it.
-namespace voxnav::occupancy::ray_walk {
+/// The inner loop of occupancy::RayMarks: rays of one face, which have the same longest axis a and the same sense along
+/// it. A ray is walked from one change of voxel on the shorter axes b and c to the next, in fixed point, and marks the
+/// run of voxels along a between them (Amanatides & Woo 1987, section 2, with runs instead of single voxels).
+namespace voxnav::kernels::ray_walk {
 
 constexpr int kWordShift = 5;
 
-/// Bits of voxels in lines along a, in words of 32. The word of voxel (a, b, c) is zero + b * step_b + c * step_c + a
-/// / 32.
+/// Bits of voxels in lines along a, in words of 32: voxel (a, b, c) is bit a % 32 of word
+/// zero + b * step_b + c * step_c + a / 32.
 struct Canvas {
   std::uint32_t* words;
   std::int32_t zero;
@@ -31,4 +33,9 @@ struct Rays {
 /// Marks the voxels that the rays cross.
 void mark_rays(const Rays& rays, const Canvas& canvas);
 
-}  // namespace voxnav::occupancy::ray_walk
+namespace reference {
+/// The same, ray by ray.
+void mark_rays(const Rays& rays, const Canvas& canvas);
+}  // namespace reference
+
+}  // namespace voxnav::kernels::ray_walk

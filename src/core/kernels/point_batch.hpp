@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "base/processor.hpp"
+#include "kernels/processor.hpp"
 
-namespace voxnav::occupancy {
+namespace voxnav::kernels {
 
-/// Some points of a scan, coordinate by coordinate, so that the compiler lets one instruction work on several. Loops
-/// over a batch always take all of it; what lies behind the last point is finite.
+/// Some points of a scan, coordinate by coordinate, so that one instruction works on several of them. Loops over a
+/// batch always take all of it; what lies behind the last point is finite.
 struct PointBatch {
   static constexpr std::size_t kSize = 256;
   alignas(32) float x[kSize] = {}, y[kSize] = {}, z[kSize] = {};
 
-  /// Takes n points at most; x y z first in every `stride` floats. Returns how many it took.
+  /// Takes at most n points; x y z come first in every `stride` floats. Returns how many it took.
   VOXNAV_INLINE std::size_t load(const float* points, std::size_t n, std::size_t stride) {
     n = std::min(n, kSize);
     for (std::size_t i = 0; i < n; ++i, points += stride) {
@@ -26,4 +26,4 @@ struct PointBatch {
   }
 };
 
-}  // namespace voxnav::occupancy
+}  // namespace voxnav::kernels

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ray_walk.hpp"
+#include "kernels/ray_walk.hpp"
 
 #include <algorithm>
 
-#include "base/lanes.hpp"
+#include "kernels/lanes.hpp"
 
-// Eight rays at once. No branch depends on a single ray: where it changes voxel next, nobody could predict.
+// Eight rays are walked at once. No branch depends on a single ray, because no processor could predict where that ray
+// changes voxel next. ray_walk_reference.cpp says the same ray by ray.
 
-namespace voxnav::occupancy::ray_walk {
+namespace voxnav::kernels::ray_walk {
 namespace {
 
-using namespace base::lanes;  // NOLINT: the vector types of this file
+using namespace lanes;  // NOLINT: the vector types of this file
 
-constexpr std::int32_t kNever = 1 << 30;
+constexpr std::int32_t kNever = 1 << 30;  // in fixed point, behind every end
 constexpr std::int32_t kInWord = (1 << kWordShift) - 1;
 
 /// Rays from the end with the smaller coordinate on a to the other one.
@@ -40,7 +41,7 @@ VOXNAV_INLINE ShortAxis short_axis(Floats from, Floats to, Floats from_a, Floats
   return {stays ? Ints{} + kNever : next, truncated(per_cell * one + 0.5f), is_up ? steps : -steps};
 }
 
-/// How many words a ray marks.
+/// How many runs a ray consists of: each ends where the voxel changes on b or c, or a word ends.
 VOXNAV_INLINE Ints num_runs(const Ends& ray) {
   const auto changes = [](Floats from, Floats to, int shift) {
     const Ints n = (truncated(to) >> shift) - (truncated(from) >> shift);
@@ -51,7 +52,7 @@ VOXNAV_INLINE Ints num_runs(const Ends& ray) {
 }
 
 VOXNAV_INLINE void mark(std::uint32_t* words, Ints at, Words bits) {
-  // Through memory: taking lanes out of vectors one by one takes longer.
+  // Lanes go through memory, since taking them out of vectors one by one takes longer.
   alignas(32) std::int32_t to[kLanes];
   alignas(32) std::uint32_t what[kLanes];
   store(at, to);
@@ -87,7 +88,7 @@ VOXNAV_INLINE void walk(const Canvas& canvas, const Ends& ray) {
     line += (b.step & takes & is_b) + (c.step & takes & ~is_b);
     at = is_cut ? word_end + 1 : target;
   }
-  // Where rounding has put the last change behind the end.
+  // Rounding may have put the last change behind the end of a ray; its last voxel is marked all the same.
   line = canvas.zero + truncated(ray.to_b) * canvas.step_b + truncated(ray.to_c) * canvas.step_c;
   mark(canvas.words, line + (last >> kWordShift), (Words{} + 1u) << (Words)(last & kInWord));
 }
@@ -112,8 +113,6 @@ void walk_all_plain(const Rays& rays, const Canvas& canvas) { walk_all(rays, can
 
 }  // namespace
 
-void mark_rays(const Rays& rays, const Canvas& canvas) {
-  (base::is_wide() ? walk_all_wide : walk_all_plain)(rays, canvas);
-}
+void mark_rays(const Rays& rays, const Canvas& canvas) { (is_wide() ? walk_all_wide : walk_all_plain)(rays, canvas); }
 
-}  // namespace voxnav::occupancy::ray_walk
+}  // namespace voxnav::kernels::ray_walk

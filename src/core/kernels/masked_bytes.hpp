@@ -3,24 +3,16 @@
 
 #include <cstdint>
 
-#include "base/processor.hpp"
+#include "kernels/bits.hpp"
+#include "kernels/processor.hpp"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
-/// The inner loop of the map update: 64 voxels of one byte under a mask of 64 bits. SSE2 is part of every
-/// x86-64 processor, AVX2 of most (see processor.hpp); other machines take the plain loop, with the same result.
-namespace voxnav::occupancy {
-
-/// Number of set bits. The compiler's own builtin is a call where the popcnt instruction may not be used; where it may,
-/// the compiler knows this for what it is.
-VOXNAV_INLINE unsigned count_bits(std::uint64_t word) {
-  word -= (word >> 1) & 0x5555555555555555u;
-  word = (word & 0x3333333333333333u) + ((word >> 2) & 0x3333333333333333u);
-  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0Fu;
-  return static_cast<unsigned>((word * 0x0101010101010101u) >> 56);
-}
+/// The inner loop of the map update: 64 voxels of one byte under a mask of 64 bits. SSE2 is part of every x86-64
+/// processor and AVX2 of most (processor.hpp); other machines run the scalar reference.
+namespace voxnav::kernels {
 
 /// What a subtraction did to 64 voxels.
 struct Subtracted {
@@ -35,8 +27,10 @@ struct Subtraction {
   std::uint8_t occupied_min;
 };
 
-/// cells[i] = max(0, cells[i] - amount) for every bit i set in mask.
-inline Subtracted subtract_where_plain(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+namespace reference {
+
+/// cells[i] = max(0, cells[i] - amount) for every bit i that is set in the mask.
+inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   Subtracted out;
   for (int i = 0; i < 64; ++i) {
     if (((mask >> i) & 1u) == 0) continue;
@@ -50,10 +44,25 @@ inline Subtracted subtract_where_plain(std::uint8_t* cells, std::uint64_t mask, 
   return out;
 }
 
+/// Bit i: cells[i] of 64 is at least `limit`, which may be more than any cell can be.
+inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
+  std::uint64_t out = 0;
+  for (int i = 0; i < 64; ++i) out |= static_cast<std::uint64_t>(cells[i] >= limit ? 1 : 0) << i;
+  return out;
+}
+
+}  // namespace reference
+
 #if defined(__SSE2__)
+namespace detail {
+
 /// Bit i: byte i of a is at least b.
 VOXNAV_INLINE unsigned at_least(__m128i a, __m128i b) {
   return static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(a, b), a)));
+}
+/// Bit i: byte i of a is less than b.
+VOXNAV_WIDE VOXNAV_INLINE unsigned below(__m256i a, __m256i b) {
+  return ~static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a)));
 }
 
 /// 0xFF in byte i where bit i is set.
@@ -63,10 +72,11 @@ VOXNAV_INLINE __m128i bytes_of_bits(unsigned bits) {
       _mm_unpacklo_epi64(_mm_set1_epi8(static_cast<char>(bits & 0xFFu)), _mm_set1_epi8(static_cast<char>(bits >> 8)));
   return _mm_cmpeq_epi8(_mm_and_si128(spread, bit_of_byte), bit_of_byte);
 }
-#endif
+
+}  // namespace detail
 
 VOXNAV_INLINE Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
-#if defined(__SSE2__)
+  using namespace detail;  // NOLINT: parts of this function
   const __m128i step = _mm_set1_epi8(static_cast<char>(by.amount));
   const __m128i free_limit = _mm_set1_epi8(static_cast<char>(by.free_end));
   const __m128i occupied_limit = _mm_set1_epi8(static_cast<char>(by.occupied_min));
@@ -78,26 +88,18 @@ VOXNAV_INLINE Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask,
     auto* at = reinterpret_cast<__m128i*>(cells + i);
     const __m128i before = _mm_loadu_si128(at);
     const __m128i after = _mm_subs_epu8(before, _mm_and_si128(selected, step));
-    if (_mm_movemask_epi8(_mm_cmpeq_epi8(before, after)) == 0xFFFF) continue;  // all clamped: nothing to do
+    if (_mm_movemask_epi8(_mm_cmpeq_epi8(before, after)) == 0xFFFF) continue;  // all of them were zero before
     _mm_storeu_si128(at, after);
     out.any_changed = true;
     out.crossed_free += count_bits(at_least(before, free_limit) & ~at_least(after, free_limit));
     out.crossed_occupied += count_bits(at_least(before, occupied_limit) & ~at_least(after, occupied_limit));
   }
   return out;
-#else
-  return subtract_where_plain(cells, mask, by);
-#endif
 }
 
-/// For callers that are marked VOXNAV_WIDE themselves.
-#if defined(__SSE2__)
-/// Bit i: byte i of a is less than b.
-VOXNAV_WIDE VOXNAV_INLINE unsigned below(__m256i a, __m256i b) {
-  return ~static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a)));
-}
-
+/// The same for callers that are marked VOXNAV_WIDE themselves.
 VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+  using namespace detail;  // NOLINT: parts of this function
   const __m256i step = _mm256_set1_epi8(static_cast<char>(by.amount));
   const __m256i free_limit = _mm256_set1_epi8(static_cast<char>(by.free_end));
   const __m256i occupied_limit = _mm256_set1_epi8(static_cast<char>(by.occupied_min));
@@ -112,7 +114,7 @@ VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint
     auto* at = reinterpret_cast<__m256i*>(cells + i);
     const __m256i before = _mm256_loadu_si256(at);
     const __m256i after = _mm256_subs_epu8(before, _mm256_and_si256(selected, step));
-    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(before, after)) == -1) continue;  // all clamped: nothing to do
+    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(before, after)) == -1) continue;  // all of them were zero before
     _mm256_storeu_si256(at, after);
     out.any_changed = true;
     out.crossed_free += count_bits(below(after, free_limit) & ~below(before, free_limit));
@@ -121,56 +123,27 @@ VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint
   return out;
 }
 #else
+inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
+  return reference::subtract_where(cells, mask, by);
+}
 inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
-  return subtract_where_plain(cells, mask, by);
+  return reference::subtract_where(cells, mask, by);
 }
 #endif
 
-/// Bit i: cells[i] of 64 is at least `limit`, which may be more than any cell can be.
 inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
+#if defined(__SSE2__)
   if (limit > 255) return 0;
   std::uint64_t out = 0;
-#if defined(__SSE2__)
   const __m128i limits = _mm_set1_epi8(static_cast<char>(limit));
   for (int i = 0; i < 64; i += 16) {
-    out |= std::uint64_t{at_least(_mm_loadu_si128(reinterpret_cast<const __m128i*>(cells + i)), limits)} << i;
+    const __m128i cell = _mm_loadu_si128(reinterpret_cast<const __m128i*>(cells + i));
+    out |= std::uint64_t{detail::at_least(cell, limits)} << i;
   }
-#else
-  for (int i = 0; i < 64; ++i) out |= static_cast<std::uint64_t>(cells[i] >= limit ? 1 : 0) << i;
-#endif
   return out;
-}
-
-/// Turns 16 rows of 16 bits into columns: bit i of out[k] is bit k of rows[i].
-VOXNAV_INLINE void transpose_16(const std::uint16_t* rows, std::uint16_t* out) {
-#if defined(__SSE2__)
-  const __m128i first = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows));
-  const __m128i second = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows + 8));
-  const __m128i low_byte = _mm_set1_epi16(0xFF);
-  __m128i low = _mm_packus_epi16(_mm_and_si128(first, low_byte), _mm_and_si128(second, low_byte));
-  __m128i high = _mm_packus_epi16(_mm_srli_epi16(first, 8), _mm_srli_epi16(second, 8));
-  for (int k = 7; k >= 0; --k) {
-    out[k] = static_cast<std::uint16_t>(_mm_movemask_epi8(low));
-    out[k + 8] = static_cast<std::uint16_t>(_mm_movemask_epi8(high));
-    low = _mm_add_epi8(low, low);
-    high = _mm_add_epi8(high, high);
-  }
 #else
-  for (int k = 0; k < 16; ++k) {
-    unsigned column = 0;
-    for (int i = 0; i < 16; ++i) column |= ((rows[i] >> k) & 1u) << i;
-    out[k] = static_cast<std::uint16_t>(column);
-  }
+  return reference::bits_at_least(cells, limit);
 #endif
 }
 
-/// Calls f(index) for every set bit, lowest first.
-template <class F>
-VOXNAV_INLINE void for_each_bit(std::uint64_t word, F&& f) {
-  while (word != 0) {
-    f(__builtin_ctzll(word));
-    word &= word - 1;
-  }
-}
-
-}  // namespace voxnav::occupancy
+}  // namespace voxnav::kernels

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/processor.hpp"
+#include "kernels/processor.hpp"
 
-namespace voxnav::base {
+namespace voxnav::kernels {
 namespace {
 
 bool can_use_wide() {
@@ -20,4 +20,4 @@ bool detail::uses_wide = can_use_wide();
 
 void use_wide(bool use) { detail::uses_wide = use && can_use_wide(); }
 
-}  // namespace voxnav::base
+}  // namespace voxnav::kernels

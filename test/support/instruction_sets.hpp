@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kernels/processor.hpp"
+
+namespace voxnav::test {
+
+/// Runs a test once with the instructions that every processor has, and once with all that this one has, if it has
+/// more. Kernels may use all of them again afterwards.
+template <class Test>
+void with_every_instruction_set(Test&& test) {
+  kernels::use_wide(false);
+  test();
+  kernels::use_wide(true);
+  if (kernels::is_wide()) test();
+}
+
+}  // namespace voxnav::test
