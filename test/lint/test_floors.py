@@ -15,6 +15,9 @@ FLOORS = {
 FORBIDDEN = {("graph", "submap"), ("submap", "graph"), ("planning", "occupancy"), ("planning", "submap"),
              ("planning", "graph"), ("planning", "odometry"), ("odometry", "submap"), ("odometry", "graph"),
              ("submap", "odometry"), ("graph", "odometry"), ("graph", "occupancy"), ("odometry", "occupancy")}
+# Only the floor kernels knows of vectors and instruction sets.
+VECTOR_CODE = re.compile(r'(\b_mm\d*_\w+|__m(?:128|256|512)\w*|vector_size|__builtin_shuffle\w*|immintrin|arm_neon|\bVOXNAV_WIDE\b'
+                         r'|target\(")')
 ROS_HEADER = re.compile(r'#include\s+[<"](ros|nodelet|tf2|tf2_ros|pluginlib|rosbag|\w+_msgs|voxnav_ros)/')
 OWN_HEADER = re.compile(r'#include\s+"(?:voxnav/)?(%s)/' % "|".join(FLOORS))
 
@@ -54,6 +57,13 @@ def test_no_file_includes_from_a_higher_floor():
 
 def test_the_core_includes_nothing_of_ros():
     broken = [path for path in core_files() if includes(path, ROS_HEADER)]
+    assert not broken, broken
+
+
+def test_vector_code_lies_on_the_floor_kernels():
+    sources = git_files("include/*.hpp", "src/*.hpp", "src/*.cpp")
+    assert any(includes(path, VECTOR_CODE) for path in sources), "the pattern finds nothing"
+    broken = [path for path in sources if not path.startswith("src/core/kernels/") and includes(path, VECTOR_CODE)]
     assert not broken, broken
 
 

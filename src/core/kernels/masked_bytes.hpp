@@ -21,6 +21,12 @@ struct Subtracted {
   unsigned crossed_occupied = 0;  ///< voxels that came below `occupied_min`
 };
 
+/// What a subtraction did to a whole block of 16^3 voxels.
+struct SubtractedBlock : Subtracted {
+  unsigned num_asked = 0;  ///< bits that were set in the masks
+};
+constexpr int kBlockWords = 64;  ///< words of 64 bits, one bit for each voxel of a block
+
 struct Subtraction {
   std::uint8_t amount;
   std::uint8_t free_end;
@@ -51,7 +57,22 @@ inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
   return out;
 }
 
+/// subtract_where() for each of the 64 words of a block.
+inline SubtractedBlock subtract_in_block(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by) {
+  SubtractedBlock out;
+  for (int word = 0; word < kBlockWords; ++word) {
+    const Subtracted done = subtract_where(cells + 64 * word, masks[word], by);
+    out.any_changed = out.any_changed || done.any_changed;
+    out.crossed_free += done.crossed_free;
+    out.crossed_occupied += done.crossed_occupied;
+    out.num_asked += count_bits(masks[word]);
+  }
+  return out;
+}
+
 }  // namespace reference
+
+SubtractedBlock subtract_in_block(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by);
 
 #if defined(__SSE2__)
 namespace detail {

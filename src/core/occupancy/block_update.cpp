@@ -10,8 +10,6 @@ namespace {
 
 using kernels::count_bits;
 using kernels::for_each_bit;
-using kernels::Subtracted;
-using kernels::Subtraction;
 
 /// A quarter of the voxels: more surface does not fit between walls. Bounds the memory of a block.
 constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
@@ -27,36 +25,6 @@ VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const 
   return sight.refuted(evidence.first_voxel, asked, &block->leaves);
 }
 
-struct Misses {
-  Subtracted changes;
-  unsigned count = 0;
-
-  VOXNAV_INLINE void add(const Subtracted& done, std::uint64_t misses) {
-    changes.any_changed = changes.any_changed || done.any_changed;
-    changes.crossed_free += done.crossed_free;
-    changes.crossed_occupied += done.crossed_occupied;
-    count += count_bits(misses);
-  }
-};
-
-Misses subtract_plain(OctreeBlock* block, const VoxelBits& misses, const Subtraction& by) {
-  Misses out;
-  for (std::size_t word = 0; word < misses.size(); ++word) {
-    if (misses[word] == 0) continue;
-    out.add(kernels::subtract_where(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
-  }
-  return out;
-}
-
-VOXNAV_WIDE Misses subtract_wide(OctreeBlock* block, const VoxelBits& misses, const Subtraction& by) {
-  Misses out;
-  for (std::size_t word = 0; word < misses.size(); ++word) {
-    if (misses[word] == 0) continue;
-    out.add(kernels::subtract_where_wide(block->log_odds.data() + 64 * word, misses[word], by), misses[word]);
-  }
-  return out;
-}
-
 struct Applied {
   BlockUpdate update;
   bool any_level_changed = false;
@@ -70,13 +38,12 @@ void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const Voxel
     const std::uint64_t spared = hits[word] | (block->leaves.bits()[word] & ~refuted[word]);
     misses[word] = evidence.passed[word] & ~spared;
   }
-  const Subtraction by{scale.miss, levels.free_end(), levels.occupied_begin()};
-  const Misses done = (kernels::is_wide() ? subtract_wide : subtract_plain)(block, misses, by);
-  out->update.missed += done.count;
-  out->update.became_free += done.changes.crossed_free;
-  out->any_level_changed = out->any_level_changed || done.changes.any_changed;
-  out->update.any_state_changed =
-      out->update.any_state_changed || done.changes.crossed_free + done.changes.crossed_occupied != 0;
+  const kernels::Subtraction by{scale.miss, levels.free_end(), levels.occupied_begin()};
+  const kernels::SubtractedBlock done = kernels::subtract_in_block(block->log_odds.data(), misses.data(), by);
+  out->update.missed += done.num_asked;
+  out->update.became_free += done.crossed_free;
+  out->any_level_changed = out->any_level_changed || done.any_changed;
+  out->update.any_state_changed = out->update.any_state_changed || done.crossed_free + done.crossed_occupied != 0;
 }
 
 void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale, const StateLevels& levels,

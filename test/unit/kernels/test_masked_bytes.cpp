@@ -4,6 +4,7 @@
 #include <array>
 #include <random>
 
+#include "instruction_sets.hpp"
 #include "kernels/masked_bytes.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -41,6 +42,25 @@ TEST(MaskedBytes, EveryFormOfTheSubtractionEqualsTheReference) {
     expect_same(kernels::subtract_where_wide(wide.data(), mask, by), reference);
     ASSERT_EQ(wide, expected);
   }
+}
+
+TEST(MaskedBytes, WholeBlocksEqualTheReference) {
+  test::with_every_instruction_set([] {
+    std::mt19937_64 rng(7);
+    for (int trial = 0; trial < 50; ++trial) {
+      std::array<std::uint8_t, 4096> cells{};
+      std::array<std::uint64_t, kernels::kBlockWords> masks{};
+      for (auto& cell : cells) cell = static_cast<std::uint8_t>(rng());
+      for (auto& mask : masks) mask = rng() % 3 == 0 ? 0 : rng() & rng();
+      auto expected = cells;
+      const kernels::Subtraction by{20, 60, 140};
+      const auto done = kernels::subtract_in_block(cells.data(), masks.data(), by);
+      const auto reference = kernels::reference::subtract_in_block(expected.data(), masks.data(), by);
+      expect_same(done, reference);
+      EXPECT_EQ(done.num_asked, reference.num_asked);
+      ASSERT_EQ(cells, expected);
+    }
+  });
 }
 
 TEST(MaskedBytes, CellsThatAreAtLeastSoMuchAreThoseOfTheReference) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "kernels/voxel_window.hpp"
 #include "submap/content/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -26,7 +27,7 @@ class FieldWindow {
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
   /// x y z 1 and y z x 0 of a surface point: what its products take, without exchanging lanes.
-  using Point = std::array<float, 8>;
+  using Point = kernels::WindowPoint;
 
   /// @param halo voxels around the block that are asked for, at most kHalo; more may be there (whole cells)
   void load(const CompressedField& field, const geometry::Index3& block, int halo);
@@ -42,6 +43,12 @@ class FieldWindow {
   containers::State state(int x, int y, int z) const {
     if ((occupied(y, z) >> (x + kHalo)) & 1) return containers::State::kOccupied;
     return (free(y, z) >> (x + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
+  }
+
+  /// The same for kernels; ends with the next load().
+  kernels::VoxelWindow view() const {
+    static_assert(kHalo == kernels::kWindowHalo && kSide == kernels::kWindowSide, "one window");
+    return {free_.data(), occupied_.data(), first_leaf_.data(), points_.data(), points_.size()};
   }
 
  private:

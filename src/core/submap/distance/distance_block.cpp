@@ -15,8 +15,6 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3f;
 
-using namespace kernels::lanes;  // NOLINT: the vector types of this file
-
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr int kHalo = FieldWindow::kHalo;
 constexpr int kSide = DistanceBlock::kSide;
@@ -24,108 +22,8 @@ constexpr std::uint32_t kTable = ((1u << kSide) - 1) << (kHalo - 1);  // of a ro
 
 std::size_t at(int x, int y, int z) { return static_cast<std::size_t>((x + 1) + kSide * ((y + 1) + kSide * (z + 1))); }
 
-/// Squared distance of every voxel centre of the table to the nearest surface point; right within the band.
-using SquaredDistances = std::array<float, kSide * kSide * kSide>;
-
-/// First and last of the voxel centres within `reach` of c.
-struct Range {
-  int first, last;
-};
-VOXNAV_INLINE Range around(float c, float reach) {
-  const int low = static_cast<int>(c - reach + 16.0f) - 15;  // rounded up, without a call
-  const int high = static_cast<int>(c + reach + 16.0f) - 16;
-  return {low < -1 ? -1 : low, high > kBlockSide ? kBlockSide : high};
-}
-
-/// The rows of each layer of the table in which anything is free: bit y + 1.
-using FreeRows = std::array<std::uint32_t, kSide>;
-FreeRows rows_with_free(const FieldWindow& window) {
-  FreeRows out{};
-  for (int z = -1; z <= kBlockSide; ++z) {
-    for (int y = -1; y <= kBlockSide; ++y) {
-      if ((window.free(y, z) & kTable) != 0) out[static_cast<std::size_t>(z + 1)] |= 1u << (y + 1);
-    }
-  }
-  return out;
-}
-
-/// Rows of a fixed length are a few vectors, which costs less than finding where the ball ends; where nothing is free,
-/// nobody asks.
-template <int kVectors>
-VOXNAV_INLINE void splat(const FieldWindow& window, const FreeRows& free, const FieldWindow::Point& point, float band,
-                         SquaredDistances* squared) {
-  constexpr int kLength = kVectors * kLanes;
-  constexpr std::uint32_t kRow = (1u << kLength) - 1;
-  const float band2 = band * band * 1.0001f;
-  int first = around(point[0], band).first;
-  if (first > kBlockSide + 1 - kLength) first = kBlockSide + 1 - kLength;
-  Floats along_x[kVectors];
-  for (int i = 0; i < kVectors; ++i) {
-    const Floats dx = static_cast<float>(first + i * kLanes) + Floats{0, 1, 2, 3, 4, 5, 6, 7} - point[0];
-    along_x[i] = dx * dx;
-  }
-  const Range ys = around(point[1], band), zs = around(point[2], band);
-  if (ys.first > ys.last) return;
-  const std::uint32_t in_reach = (2u << (ys.last + 1)) - (1u << (ys.first + 1));
-  for (int z = zs.first; z <= zs.last; ++z) {
-    const float dz = static_cast<float>(z) - point[2];
-    for (std::uint32_t rows = free[static_cast<std::size_t>(z + 1)] & in_reach; rows != 0; rows &= rows - 1) {
-      const int y = __builtin_ctz(rows) - 1;
-      const float dy = static_cast<float>(y) - point[1];
-      const float base = dy * dy + dz * dz;
-      if (base > band2 || ((window.free(y, z) >> (first + kHalo)) & kRow) == 0) continue;
-      float* row = &(*squared)[at(first, y, z)];
-      for (int i = 0; i < kVectors; ++i) {
-        store(smaller(base + along_x[i], loaded<Floats>(row + i * kLanes)), row + i * kLanes);
-      }
-    }
-  }
-}
-
-VOXNAV_INLINE void splat_all(const FieldWindow& window, float band, SquaredDistances* squared) {
-  const FreeRows free = rows_with_free(window);
-  // A leaf's point may lie half an edge nearer than its centre.
-  const int reach = static_cast<int>(band + 1.5f);
-  for (std::size_t i = 0; i < window.leaves().size(); ++i) {
-    const WindowLeaf& leaf = window.leaves()[i];
-    if (std::min({leaf.x, leaf.y, leaf.z}) < -reach) continue;
-    if (std::max({leaf.x, leaf.y, leaf.z}) >= kBlockSide + reach) continue;
-    if (band <= 3.5f) {
-      splat<1>(window, free, window.points()[i], band, squared);
-    } else {
-      splat<2>(window, free, window.points()[i], band, squared);
-    }
-  }
-}
-
-/// Codes of the free voxels within the band.
-VOXNAV_INLINE void take_free(const FieldWindow& window, float band, const SquaredDistances& squared,
-                             DistanceBlock* out) {
-  for (int z = -1; z <= kBlockSide; ++z) {
-    for (int y = -1; y <= kBlockSide; ++y) {
-      const std::uint32_t free = window.free(y, z);
-      if ((free & kTable) == 0) continue;
-      for (const int x : {-1, kLanes - 1, kBlockSide + 1 - kLanes}) {  // the last two overlap
-        const Words bits = Words{} + (free >> (x + kHalo));
-        const Floats distance_sq = loaded<Floats>(&squared[at(x, y, z)]);
-        const Ints is_near = ((bits & Words{1, 2, 4, 8, 16, 32, 64, 128}) != 0) & (distance_sq <= band * band);
-        out->set_eight(x, y, z, exact_root(distance_sq), is_near);
-      }
-    }
-  }
-}
-
-VOXNAV_INLINE void measure_free(const FieldWindow& window, float band, SquaredDistances* squared, DistanceBlock* out) {
-  splat_all(window, band, squared);
-  take_free(window, band, *squared, out);
-}
-void measure_free_plain(const FieldWindow& window, float band, SquaredDistances* squared, DistanceBlock* out) {
-  measure_free(window, band, squared, out);
-}
-VOXNAV_WIDE void measure_free_wide(const FieldWindow& window, float band, SquaredDistances* squared,
-                                   DistanceBlock* out) {
-  measure_free(window, band, squared, out);
-}
+/// A number for every voxel of the table.
+using TableFloats = kernels::SquaredDistances;
 
 /// Derives one block; keeps its memory for the next one.
 class Deriver {
@@ -135,8 +33,7 @@ class Deriver {
     window_.load(field, block, static_cast<int>(band_ + 1.5f));
     if (window_.leaves().empty()) return nullptr;
     auto out = std::make_shared<DistanceBlock>(field.band());
-    squared_.fill(kFar);
-    (kernels::is_wide() ? measure_free_wide : measure_free_plain)(window_, band_, &squared_, out.get());
+    out->measure_free(window_.view(), band_, &squared_);
     list_unknown();
     find_ghosts();
     estimate_normals(window_, near_, &normals_);
@@ -270,9 +167,9 @@ class Deriver {
   FieldWindow window_;
   std::vector<std::uint16_t> near_;  ///< leaves by number
   std::vector<LeafNormal> normals_;
-  SquaredDistances squared_;
+  TableFloats squared_;
   std::array<std::uint32_t, (kSide + 4) * (kSide + 4)> unknown_;
-  SquaredDistances ghosts_;                                        ///< from unknown voxels to their nearest leaf
+  TableFloats ghosts_;                                             ///< from unknown voxels to their nearest leaf
   std::array<std::uint16_t, kSide * kSide * kSide> ghost_leaves_;  ///< nearest one, by its number among near_
 };
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "kernels/lanes.hpp"
+#include "kernels/free_distances.hpp"
 #include "submap/content/compressed_field.hpp"
 
 namespace voxnav::submap {
@@ -15,8 +15,8 @@ namespace voxnav::submap {
 /// interpolated from this alone.
 class DistanceBlock {
  public:
-  static constexpr int kSide = geometry::kBlockSide + 2;
-  static constexpr std::int16_t kNone = -32768;
+  static constexpr int kSide = kernels::kTableSide;
+  static constexpr std::int16_t kNone = kernels::kNoDistance;
 
   explicit DistanceBlock(double band) : scale_(static_cast<float>(band / 32767.0)) { codes_.fill(kNone); }
 
@@ -25,12 +25,9 @@ class DistanceBlock {
   bool corners(int x, int y, int z, std::array<float, 8>* values) const;
   /// @param distance voxel edges, between -band and band
   void set(int x, int y, int z, float distance);
-  /// The distances, from 0 on, of some of eight voxels along x; the others have none.
-  VOXNAV_INLINE void set_eight(int x, int y, int z, kernels::lanes::Floats distance, kernels::lanes::Ints which) {
-    using Codes = std::int16_t __attribute__((vector_size(16)));
-    const kernels::lanes::Floats code = kernels::lanes::smaller(distance / scale_, kernels::lanes::Floats{} + 32767.f) + 0.5f;
-    const kernels::lanes::Ints codes = which ? kernels::lanes::truncated(code) : kernels::lanes::Ints{} + kNone;
-    kernels::lanes::store(__builtin_convertvector(codes, Codes), &codes_[at(x, y, z)]);
+  /// Takes the distances of the free voxels within `band` of a surface point.
+  void measure_free(const kernels::VoxelWindow& window, float band, kernels::SquaredDistances* room) {
+    kernels::measure_free(window, band, scale_, room, codes_.data());
   }
   bool is_empty() const;
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/lanes.hpp"
+#include "kernels/column_rows.hpp"
 #include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -12,33 +12,6 @@ namespace voxnav::submap {
 using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
-
-namespace {
-
-using namespace kernels::lanes;  // NOLINT: the vector types of this file
-
-/// Rows of a block that are laid into rows of a window.
-struct Rows {
-  const std::uint16_t* from;
-  std::uint32_t* to;
-  int row_length;  ///< of the window
-  int count;
-  int up;  ///< voxels
-};
-
-VOXNAV_INLINE void add_rows(Rows rows) {
-  for (; rows.count > 0; --rows.count, rows.from += kBlockSide, rows.to += rows.row_length) {
-    if (rows.up >= 0) {
-      for (int x = 0; x < kBlockSide; ++x) rows.to[x] |= std::uint32_t{rows.from[x]} << rows.up;
-    } else {
-      for (int x = 0; x < kBlockSide; ++x) rows.to[x] |= std::uint32_t{rows.from[x]} >> -rows.up;
-    }
-  }
-}
-void add_rows_plain(const Rows& rows) { add_rows(rows); }
-VOXNAV_WIDE void add_rows_wide(const Rows& rows) { add_rows(rows); }
-
-}  // namespace
 
 // A window has its corner at the border of a block along x, so that rows of blocks are rows of it.
 std::array<Index3, 2> FreeWindow::place(const Eigen::Affine3d& T_G_W, const Index3& block_W) {
@@ -72,36 +45,20 @@ std::array<Index3, 2> FreeWindow::place(const Eigen::Affine3d& T_G_W, const Inde
 void FreeWindow::take(const Index3& block_G, const Columns& free) {
   const Index3 first = geometry::voxel_at(block_G, 0) - low_;  // in the window
   const int first_row = std::max(0, first.y);
-  Rows rows;
+  kernels::ColumnRows rows;
   rows.from = &free[static_cast<std::size_t>((first_row - first.y) * kBlockSide)];
   rows.to = &columns_[static_cast<std::size_t>(first_row * kRowLength + first.x)];
   rows.row_length = kRowLength;
   rows.count = std::min(num_rows_, first.y + kBlockSide) - first_row;
   rows.up = first.z;
-  (kernels::is_wide() ? add_rows_wide : add_rows_plain)(rows);
+  kernels::add_rows(rows);
 }
 
-VOXNAV_INLINE void FreeWindow::add_centers(Columns* free) const {
+void FreeWindow::add_to(Columns* free) const {
   constexpr std::int64_t kHalf = kUnitsPerEdge / 2;
   const std::uint32_t lowest = voxel_at(origin_.z + (kHalf << kUnitShift));
-  const Ints lane = {0, 1, 2, 3, 4, 5, 6, 7};
-  const Ints lanes_x = center_.x + lane * right_.x, lanes_y = center_.y + lane * right_.y;
-  std::array<std::int32_t, kLanes> from;
-  std::uint16_t* out = free->data();
-  for (int y = 0; y < kBlockSide; ++y) {
-    for (int x = 0; x < kBlockSide; x += kLanes, out += kLanes) {
-      const Ints at_x = lanes_x + (y * back_.x + x * right_.x);
-      const Ints at_y = lanes_y + (y * back_.y + x * right_.y);
-      store((at_y >> kCenterShift) * kRowLength + (at_x >> kCenterShift), from.data());
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        out[i] |= static_cast<std::uint16_t>(columns_[static_cast<std::size_t>(from[i])] >> lowest);
-      }
-    }
-  }
+  kernels::add_turned_columns(columns_.data(), kRowLength, {center_, right_, back_, kCenterShift, lowest},
+                              free->data());
 }
-void FreeWindow::add_centers_plain(Columns* free) const { add_centers(free); }
-VOXNAV_WIDE void FreeWindow::add_centers_wide(Columns* free) const { add_centers(free); }
-
-void FreeWindow::add_to(Columns* free) const { kernels::is_wide() ? add_centers_wide(free) : add_centers_plain(free); }
 
 }  // namespace voxnav::submap

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "kernels/column_rows.hpp"
 #include "submap/content/column_block.hpp"
 #include "submap/merged/evidence_leaf.hpp"
 #include "voxnav/geometry/pose.hpp"
@@ -49,15 +50,10 @@ class FreeWindow {
   /// @return lowest and highest voxel of the submap that is touched
   std::array<geometry::Index3, 2> place(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W);
   void take(const geometry::Index3& block_G, const Columns& free);
-  void add_centers(Columns* free) const;
-  void add_centers_plain(Columns* free) const;
-  void add_centers_wide(Columns* free) const;
 
   // Parts of voxel edges, a number of lanes of which fits into a vector.
   static constexpr int kCenterShift = 25;
-  struct Center {
-    std::int32_t x, y;
-  };
+  using Center = kernels::TurnedBlock::Step;
 
   Fixed3 origin_;             ///< of the block, from the lowest voxel of the window
   Fixed2 along_x_, along_y_;  ///< a step of one unit of W

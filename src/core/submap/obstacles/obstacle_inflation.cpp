@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/lanes.hpp"
+#include "kernels/ball_columns.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -13,78 +13,22 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
 
-using namespace kernels::lanes;  // NOLINT: the vector types of this file
-
 constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
-
-/// Bits low to high of each lane, none when low > high; from 0 to 30, where low is high + 1 at most and not 31.
-template <bool kIsWide>
-VOXNAV_INLINE Words bits_from_to(Ints low, Ints high) {
-  if (kIsWide) return (~Words{} << reinterpret_cast<Words>(low)) & ~((~Words{} - 1u) << reinterpret_cast<Words>(high));
-  // Older processors cannot shift lanes by different amounts: powers of two by way of the exponent of floats.
-  const auto power = [](Ints k) {
-    return reinterpret_cast<Words>(truncated(reinterpret_cast<Floats>((k + 127) << 23)));
-  };
-  return 2u * power(high) - power(low);
-}
-
-/// Of eight columns the voxels from ceil(z - h) to floor(z + h), h^2 = rest - dx^2.
-template <bool kIsWide>
-VOXNAV_INLINE void add_eight(Floats squared_dx, float z, float rest, std::uint32_t* columns) {
-  constexpr int kTop = BallWindow::kSide;
-  const Floats left = rest - squared_dx;
-  const Floats half = exact_root(larger(left, Floats{}));
-  // What is cut off is above zero, so truncation is floor; the lower end never is above the voxel behind the upper one.
-  const Ints low = kTop - truncated((kTop - z) + half);
-  const Words bits = bits_from_to<kIsWide>(low, truncated(z + half));
-  store(loaded<Words>(columns) | (left > Floats{} ? bits : Words{}), columns);
-}
-
-/// Eights begin at the same columns for every ball: what one has just stored could not be loaded in other pieces.
-template <bool kIsWide>
-VOXNAV_INLINE void add_ball(float x, float y, float z, float squared_reach, std::uint32_t* columns) {
-  constexpr int kMostEights = 3;
-  const float reach = std::sqrt(squared_reach);
-  const int first = static_cast<int>(x - reach) & ~(kLanes - 1);
-  const int last = static_cast<int>(x + reach);
-  Floats squared_dx[kMostEights];
-  for (int i = 0; i < kMostEights; ++i) {
-    const Floats dx = static_cast<float>(first + i * kLanes) + Floats{0, 1, 2, 3, 4, 5, 6, 7} - x;
-    squared_dx[i] = dx * dx;
-  }
-  std::uint32_t* to = columns + first + static_cast<int>(y - reach) * BallWindow::kSide;
-  for (int row = static_cast<int>(y - reach); row <= static_cast<int>(y + reach); ++row, to += BallWindow::kSide) {
-    const float dy = static_cast<float>(row) - y;
-    const float rest = squared_reach - dy * dy;
-    if (rest <= 0.f) continue;
-    add_eight<kIsWide>(squared_dx[0], z, rest, to);
-    if (last >= first + kLanes) add_eight<kIsWide>(squared_dx[1], z, rest, to + kLanes);
-    if (last >= first + 2 * kLanes) add_eight<kIsWide>(squared_dx[2], z, rest, to + 2 * kLanes);
-  }
-}
-
-template <bool kIsWide>
-VOXNAV_INLINE void add_all(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
-  constexpr int kFirst = BallWindow::kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // centres of voxels at integers
-  for (const EvidenceLeaf& leaf : leaves) {
-    const Units3 p = units_of(leaf) + Units3{kFirst, kFirst, kFirst};
-    const auto edges = [](int units) { return static_cast<float>(units) * (1.f / static_cast<float>(kUnitsPerEdge)); };
-    add_ball<kIsWide>(edges(p.x), edges(p.y), edges(p.z), squared_reach, columns);
-  }
-}
-void add_all_plain(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
-  add_all<false>(leaves, squared_reach, columns);
-}
-VOXNAV_WIDE void add_all_wide(const std::vector<EvidenceLeaf>& leaves, float squared_reach, std::uint32_t* columns) {
-  add_all<true>(leaves, squared_reach, columns);
-}
 
 }  // namespace
 
 void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
+  static_assert(kSide == kernels::kColumnWindowSide, "one window");
+  constexpr int kFirst = kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // centres of voxels at integers
+  const auto edges = [](int units) { return static_cast<float>(units) * (1.f / static_cast<float>(kUnitsPerEdge)); };
+  std::vector<kernels::BallCenter> centers;
+  centers.reserve(block.leaves.size());
+  for (const EvidenceLeaf& leaf : block.leaves) {
+    const Units3 p = units_of(leaf) + Units3{kFirst, kFirst, kFirst};
+    centers.push_back({edges(p.x), edges(p.y), edges(p.z)});
+  }
   const double padded = reach + kRounding;
-  (kernels::is_wide() ? add_all_wide : add_all_plain)(block.leaves, static_cast<float>(padded * padded),
-                                                      columns_.data());
+  kernels::add_balls(centers.data(), centers.size(), static_cast<float>(padded * padded), columns_.data());
 }
 
 void BallWindow::copy_to(const Index3& step, Columns* mask) const {

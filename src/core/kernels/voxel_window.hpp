@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+/// What kernels see of a block of 16^3 voxels and up to 8 voxels around it, as rows of bits along x. Coordinates are
+/// voxels from the first voxel of the block, centres of voxels being at integers.
+namespace voxnav::kernels {
+
+constexpr int kWindowBlockSide = 16;
+constexpr int kWindowHalo = 8;
+constexpr int kWindowSide = kWindowBlockSide + 2 * kWindowHalo;
+
+/// A surface point as x y z 1 and as y z x 0: its products then take no exchange of coordinates.
+using WindowPoint = std::array<float, 8>;
+
+struct WindowVoxel {
+  std::int16_t x, y, z;
+};
+
+/// Bit x + kWindowHalo of the row at (y, z) stands for the voxel (x, y, z).
+struct VoxelWindow {
+  const std::uint32_t* free_rows;
+  const std::uint32_t* occupied_rows;
+  const std::uint16_t* first_of_row;  ///< number of the first occupied voxel of each row; the others follow it
+  const WindowPoint* points;          ///< the surface points of the occupied voxels, by number
+  std::size_t num_points;
+
+  static std::size_t row(int y, int z) {
+    return static_cast<std::size_t>(y + kWindowHalo + kWindowSide * (z + kWindowHalo));
+  }
+  std::uint32_t free(int y, int z) const { return free_rows[row(y, z)]; }
+  std::uint32_t occupied(int y, int z) const { return occupied_rows[row(y, z)]; }
+};
+
+}  // namespace voxnav::kernels
