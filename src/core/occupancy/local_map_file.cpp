@@ -47,7 +47,7 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* 
   block->leaves.assign(in->get<VoxelBits>());
   for (int word = 0; word < 64; ++word) {
     kernels::for_each_bit(block->leaves.bits()[word],
-                 [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), sizeof(SurfaceLeaf)); });
+                          [&](int bit) { in->get_raw(block->leaves.find(64 * word + bit), sizeof(SurfaceLeaf)); });
   }
 }
 
