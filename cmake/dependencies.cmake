@@ -12,9 +12,10 @@ find_package(Ceres REQUIRED)
 find_package(octomap REQUIRED)
 find_package(Threads REQUIRED)
 
-# Embree only serves the simulator; without it (some arm64 distributions) everything else is built.
+# Embree and yaml-cpp only serve the simulator; without Embree (some arm64 distributions) everything else is built.
 find_package(embree 3 QUIET)
 if(embree_FOUND)
+  find_package(yaml-cpp REQUIRED)
   add_library(voxnav_embree INTERFACE)
   if(TARGET embree)
     target_link_libraries(voxnav_embree INTERFACE embree)

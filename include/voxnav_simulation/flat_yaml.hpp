@@ -7,9 +7,9 @@
 
 namespace voxnav_simulation {
 
-/// Reads the part of YAML that a parameter set needs: one `key: value` per line, where a value is true, false, a
-/// number, a string (quoted or plain) or a [list] of numbers or strings; `#` starts a comment.
-/// @throws voxnav::base::ConfigError naming the lines that are anything else, or the file that cannot be read
+/// Reads a parameter set from YAML: a mapping from keys to values, each of which is true, false, a number, a string or
+/// a list of numbers or of strings.
+/// @throws voxnav::base::ConfigError naming file and line of everything else, or the file that cannot be read
 voxnav::base::ValueMap read_flat_yaml(const std::string& path);
 voxnav::base::ValueMap parse_flat_yaml(const std::string& text, const std::string& origin);
 

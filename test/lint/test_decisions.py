@@ -15,7 +15,7 @@ ALLOWED = {
     "src/core/odometry/lidar_odometry.cpp": {"first scan"},
     "src/core/submap/files/map_export.cpp": {".bt", ".ot"},
     "src/ros/param_loader.cpp": {"_"},
-    "src/simulation/world/flat_yaml.cpp": {"true", "false", "---"},
+    "src/simulation/world/flat_yaml.cpp": {"true", "false", "!"},
     "src/voxnav/alignment/cli.py": {"long"},
     "src/voxnav/alignment/ghosts.py": {"corrected"},
     "src/voxnav/nodes/flight_recorder.py": {"uav_simulator"},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav_simulation/flat_yaml.hpp"
 
+#include <yaml-cpp/yaml.h>
+
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -12,54 +14,30 @@ using voxnav::base::ConfigError;
 using voxnav::base::Value;
 using voxnav::base::ValueMap;
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+/// "file:line: ", counted from one.
+std::string place(const std::string& origin, const YAML::Mark& mark) {
+  return origin + ":" + std::to_string(mark.line + 1) + ": ";
 }
 
-/// Cuts a comment: a # outside of quotes at the start or after a blank.
-std::string without_comment(const std::string& line) {
-  char quote = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (quote) {
-      if (line[i] == quote) quote = 0;
-    } else if (line[i] == '"' || line[i] == '\'') {
-      quote = line[i];
-    } else if (line[i] == '#' && (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t')) {
-      return line.substr(0, i);
-    }
-  }
-  return line;
-}
-
-bool is_integer(const std::string& text) {
-  const std::size_t start = text[0] == '-' || text[0] == '+' ? 1 : 0;
-  return text.size() > start && text.size() < 19 && text.find_first_not_of("0123456789", start) == std::string::npos;
-}
-
-std::optional<Value> scalar(const std::string& text) {
-  if (text.empty()) return std::nullopt;
+/// YAML itself only knows text; which text is a number is up to who reads it. Quoted text never is one.
+std::optional<Value> scalar(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  const std::string& text = node.Scalar();
+  if (node.Tag() == "!") return Value(text);
   if (text == "true") return Value(true);
   if (text == "false") return Value(false);
-  if (text.size() >= 2 && (text[0] == '"' || text[0] == '\'') && text.back() == text[0]) {
-    return Value(text.substr(1, text.size() - 2));
-  }
-  if (is_integer(text)) return Value(static_cast<std::int64_t>(std::stoll(text)));
-  std::istringstream number(text);
-  number.imbue(std::locale::classic());
-  double value = 0.0;
-  if (number >> value && number.peek() == std::istringstream::traits_type::eof()) return Value(value);
-  if (text.find_first_of("[]{}:,&*!|>%@`\"'") != std::string::npos) return std::nullopt;
+  std::int64_t integer = 0;
+  if (YAML::convert<std::int64_t>::decode(node, integer)) return Value(integer);
+  double number = 0.0;
+  if (YAML::convert<double>::decode(node, number)) return Value(number);
   return Value(text);
 }
 
-std::optional<Value> list(const std::string& inside) {
+std::optional<Value> list(const YAML::Node& node) {
   std::vector<double> numbers;
   std::vector<std::string> strings;
-  std::istringstream items(inside);
-  for (std::string item; std::getline(items, item, ',');) {
-    const std::optional<Value> value = scalar(trimmed(item));
+  for (const YAML::Node& item : node) {
+    const std::optional<Value> value = scalar(item);
     if (!value) return std::nullopt;
     if (const auto* text = std::get_if<std::string>(&*value)) {
       strings.push_back(*text);
@@ -76,30 +54,29 @@ std::optional<Value> list(const std::string& inside) {
   return Value(numbers);
 }
 
-std::optional<Value> value_of(const std::string& text) {
-  if (text.size() >= 2 && text.front() == '[' && text.back() == ']') return list(text.substr(1, text.size() - 2));
-  return scalar(text);
+YAML::Node parsed(const std::string& text, const std::string& origin) {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::ParserException& error) {
+    throw ConfigError({place(origin, error.mark) + "is no YAML: " + error.msg});
+  }
 }
 
 }  // namespace
 
 ValueMap parse_flat_yaml(const std::string& text, const std::string& origin) {
+  const YAML::Node root = parsed(text, origin);
   ValueMap values;
   std::vector<std::string> problems;
-  std::istringstream lines(text);
-  int number = 0;
-  for (std::string raw; std::getline(lines, raw);) {
-    ++number;
-    const std::string line = trimmed(without_comment(raw));
-    if (line.empty() || line == "---") continue;
-    const auto colon = line.find(": ");
-    const std::optional<Value> value =
-        colon == std::string::npos ? std::nullopt : value_of(trimmed(line.substr(colon + 1)));
-    const std::string where = origin + ":" + std::to_string(number) + ": ";
-    if (!value) {
+  if (root.IsNull()) return values;
+  if (!root.IsMap()) throw ConfigError({place(origin, root.Mark()) + "needs lines of the form 'key: value'"});
+  for (const auto& entry : root) {
+    const std::optional<Value> value = entry.second.IsSequence() ? list(entry.second) : scalar(entry.second);
+    const std::string where = place(origin, entry.first.Mark());
+    if (!value || !entry.first.IsScalar()) {
       problems.push_back(where + "needs 'key: value' with a number, string, true, false or [list]");
-    } else if (!values.emplace(trimmed(line.substr(0, colon)), *value).second) {
-      problems.push_back(where + "key is there twice");
+    } else if (!values.emplace(entry.first.Scalar(), *value).second) {
+      problems.push_back(where + "key " + entry.first.Scalar() + " is there twice");
     }
   }
   if (!problems.empty()) throw ConfigError(problems);

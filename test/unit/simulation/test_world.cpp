@@ -179,17 +179,37 @@ TEST(FlatYaml, ReadsWhatParameterSetsHold) {
   EXPECT_EQ(values.at("f"), Value(std::string("name")));
 }
 
-TEST(FlatYaml, NamesEveryLineItCannotRead) {
+std::vector<std::string> problems_of(const std::string& text) {
   try {
-    parse_flat_yaml("a: 1\nb\nc: {x: 1}\na: 2\n", "set.yaml");
-    FAIL() << "accepted";
+    parse_flat_yaml(text, "set.yaml");
   } catch (const ConfigError& error) {
-    ASSERT_EQ(error.problems().size(), 3u) << error.what();
-    EXPECT_EQ(error.problems()[0].rfind("set.yaml:2:", 0), 0u);
-    EXPECT_EQ(error.problems()[1].rfind("set.yaml:3:", 0), 0u);
-    EXPECT_EQ(error.problems()[2].rfind("set.yaml:4:", 0), 0u);
+    return error.problems();
   }
+  return {};
+}
+
+TEST(FlatYaml, NamesEveryLineItCannotRead) {
+  const auto problems = problems_of("a: 1\nb:\nc: {x: 1}\na: 2\nd: [[1]]\ne: [1, x]\n");
+  ASSERT_EQ(problems.size(), 5u);
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    EXPECT_EQ(problems[i].rfind("set.yaml:" + std::to_string(i + 2) + ": ", 0), 0u) << problems[i];
+  }
+  EXPECT_NE(problems[2].find("twice"), std::string::npos) << problems[2];
   EXPECT_THROW(load_world_config("/nowhere/at/all.yaml"), ConfigError);
+}
+
+TEST(FlatYaml, NamesTheLineOfWhatIsNoYaml) {
+  EXPECT_EQ(problems_of("a: 1\nb\nc: {x: 1}\n").at(0).rfind("set.yaml:3: ", 0), 0u);
+  EXPECT_EQ(problems_of("a: [1, 2\nb: 3\n").at(0).rfind("set.yaml:2: ", 0), 0u);
+  EXPECT_EQ(problems_of("a: 1\n\tb: 2\n").at(0).rfind("set.yaml:2: ", 0), 0u);
+  EXPECT_EQ(problems_of("- 1\n- 2\n").at(0).rfind("set.yaml:1: ", 0), 0u);
+}
+
+TEST(FlatYaml, QuotedTextIsNoNumber) {
+  const auto values = parse_flat_yaml("a: '1'\nb: \"true\"\nc: ['1', \"2\"]\n", "t");
+  EXPECT_EQ(values.at("a"), Value(std::string("1")));
+  EXPECT_EQ(values.at("b"), Value(std::string("true")));
+  EXPECT_EQ(values.at("c"), Value(std::vector<std::string>{"1", "2"}));
 }
 
 }  // namespace
