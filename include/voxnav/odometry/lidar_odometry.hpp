@@ -108,7 +108,7 @@ class LidarOdometry {
   LidarOdometryConfig config_;
   geometry::Pose T_B_L_;
   PointMap map_;
-  VoxelTable scratch_;
+  Downsampler downsampler_;
   ImuBuffer imu_;
   std::vector<geometry::Vec3f> deskewed_, fine_, source_, inserted_;  // frame B, B, B, O
 

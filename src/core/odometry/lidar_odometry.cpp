@@ -52,7 +52,6 @@ LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_
     : config_(base::checked(config)),
       T_B_L_(T_B_L),
       map_(map_options(config)),
-      scratch_(1u << 16),
       sigma_m_(config.initial_threshold_m) {}
 
 void LidarOdometry::add_imu(const ImuSample& sample) {

@@ -91,8 +91,8 @@ void LidarOdometry::prepare_points(const Sweep& sweep, const std::vector<Vec3f>&
       deskewed_.push_back(poses[static_cast<std::size_t>(t * to_bin + 0.5F)] * points_L[i]);
     }
   }
-  downsample(deskewed_, spacing_m(config_), &scratch_, &fine_);
-  downsample(fine_, config_.voxel_size_m * 0.6, &scratch_, &source_);
+  downsampler_.run(deskewed_, spacing_m(config_), &fine_);
+  downsampler_.run(fine_, config_.voxel_size_m * 0.6, &source_);
 }
 
 }  // namespace voxnav::odometry

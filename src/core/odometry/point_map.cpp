@@ -100,11 +100,12 @@ PointMap::PointMap(const PointMapOptions& options)
     : options_(options),
       capacity_(static_cast<std::uint32_t>(options.max_points_per_voxel)),
       inverse_size_(static_cast<float>(1.0 / options.voxel_size_m)),
-      spacing_sq_(static_cast<float>(options.voxel_size_m * options.voxel_size_m / options.max_points_per_voxel)),
-      table_(static_cast<std::size_t>(options.max_voxels) / 4) {}
+      spacing_sq_(static_cast<float>(options.voxel_size_m * options.voxel_size_m / options.max_points_per_voxel)) {
+  numbers_.reset(static_cast<std::size_t>(options.max_voxels) / 4);
+}
 
 void PointMap::clear() {
-  table_.clear();
+  numbers_.clear();
   voxels_.clear();
   points_.clear();
 }
@@ -116,11 +117,11 @@ void PointMap::insert(const std::vector<Vec3f>& points_O) {
 void PointMap::insert_point(const Vec3f& point) {
   const VoxelKey key = key_of(point, inverse_size_);
   if (key == kNoKey) return;
-  const std::uint32_t* found = table_.find(key);
+  const std::optional<std::uint32_t> found = find(key);
   std::uint32_t index = found ? *found : static_cast<std::uint32_t>(voxels_.size());
   if (!found) {
     if (voxels_.size() >= static_cast<std::size_t>(options_.max_voxels)) return;
-    table_.insert(key, index);
+    number(key, index);
     voxels_.push_back({key, 0});
     points_.resize(voxels_.size() * capacity_);
   }
@@ -157,19 +158,19 @@ void PointMap::keep_around(const Vec3f& center_O, double radius_m) {
 }
 
 void PointMap::rebuild(const std::vector<std::uint32_t>& kept) {
-  table_.clear();
+  numbers_.clear();
   for (std::uint32_t to = 0; to < kept.size(); ++to) {
     const std::uint32_t from = kept[to];  // >= to, so that nothing is overwritten before it is moved
     voxels_[to] = voxels_[from];
     if (from != to) std::copy_n(points_of(from), capacity_, points_of(to));
-    table_.insert(voxels_[to].key, to);
+    number(voxels_[to].key, to);
   }
   voxels_.resize(kept.size());
   points_.resize(kept.size() * capacity_);
 }
 
 void PointMap::search_cell(VoxelKey key, const Vec3f& point, float* best_sq, MapPoint** best) {
-  const std::uint32_t* index = table_.find(key);
+  const std::optional<std::uint32_t> index = find(key);
   if (!index) return;
   MapPoint* points = points_of(*index);
   for (std::uint32_t i = 0; i < voxels_[*index].count; ++i) {
@@ -202,7 +203,7 @@ void PointMap::update_shape(MapPoint* point, const Vec3f& sensor_up_O, std::uint
   const Vec3f center = point->position;
   Neighbourhood offsets;
   for_each_cell(cells_around(center, radius, inverse_size_), [&](VoxelKey key) {
-    const std::uint32_t* index = table_.find(key);
+    const std::optional<std::uint32_t> index = find(key);
     if (!index) return;
     const MapPoint* points = points_of(*index);
     for (std::uint32_t i = 0; i < voxels_[*index].count; ++i) {
@@ -221,7 +222,7 @@ bool PointMap::stands_alone(const MapPoint& line) const {
   const float radius = 1.0F / inverse_size_;
   int on_line = 0, beside = 0;
   for_each_cell(cells_around(line.position, 2.0F * radius, inverse_size_), [&](VoxelKey key) {
-    const std::uint32_t* index = table_.find(key);
+    const std::optional<std::uint32_t> index = find(key);
     if (!index) return;
     const MapPoint* points = points_.data() + std::size_t{*index} * capacity_;
     for (std::uint32_t i = 0; i < voxels_[*index].count; ++i) {
@@ -242,7 +243,7 @@ std::size_t PointMap::num_points() const {
 
 std::size_t PointMap::memory_bytes() const {
   return points_.capacity() * sizeof(MapPoint) + voxels_.capacity() * sizeof(Voxel) +
-         table_.size() * 4 * (sizeof(VoxelKey) + sizeof(std::uint32_t));
+         numbers_.memory_bytes();
 }
 
 }  // namespace voxnav::odometry

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "containers/number_table.hpp"
 #include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::odometry {
@@ -15,29 +18,27 @@ using VoxelKey = std::uint64_t;
 constexpr VoxelKey kNoKey = ~VoxelKey{0};
 VoxelKey key_of(const Vec3f& point, float inverse_size);
 
-/// Open-addressing table from voxel to a number. Entries go only all at once.
-class VoxelTable {
+/// Finaliser of SplitMix64 (Steele, Lea & Flood 2014, figure 16), in short: neighbouring voxels must not share a run of
+/// slots.
+struct VoxelKeyHash {
+  std::size_t operator()(VoxelKey key) const {
+    const std::uint64_t h = key * 0x9E3779B97F4A7C15ull;
+    return static_cast<std::size_t>(h ^ (h >> 29));
+  }
+};
+using VoxelNumbers = containers::NumberTable<VoxelKey, VoxelKeyHash>;
+
+/// Thins points out; keeps its memory from call to call.
+class Downsampler {
  public:
-  explicit VoxelTable(std::size_t expected = 1024);
-  /// @return pointer to the value, or null
-  const std::uint32_t* find(VoxelKey key) const;
-  /// @return false when the key was there already
-  bool insert(VoxelKey key, std::uint32_t value);
-  void clear();
-  std::size_t size() const { return size_; }
+  /// First point of every voxel, in input order.
+  /// Source: Vizzo et al. 2023 (KISS-ICP), section III-B; differs: the first point stands for its voxel.
+  void run(const std::vector<Vec3f>& points, double voxel_size_m, std::vector<Vec3f>* out);
 
  private:
-  std::size_t slot_of(VoxelKey key) const;
-  void grow();
-  std::vector<VoxelKey> keys_;
-  std::vector<std::uint32_t> values_;
-  std::size_t size_ = 0;
-  std::size_t mask_;
+  VoxelNumbers numbers_;
+  std::vector<VoxelKey> keys_;  ///< of the points that were kept
 };
-
-/// First point of every voxel, in input order.
-/// Source: Vizzo et al. 2023 (KISS-ICP), section III-B; differs: the first point stands for its voxel.
-void downsample(const std::vector<Vec3f>& points, double voxel_size_m, VoxelTable* scratch, std::vector<Vec3f>* out);
 
 /// What the surface around a map point looks like.
 enum class Shape : std::uint8_t { kUnknown, kPlane, kLine };
@@ -96,7 +97,14 @@ class PointMap {
   std::uint32_t capacity_;
   float inverse_size_;
   float spacing_sq_;
-  VoxelTable table_;
+  std::optional<std::uint32_t> find(VoxelKey key) const {
+    return numbers_.find(key, [this](std::uint32_t voxel) { return voxels_[voxel].key; });
+  }
+  void number(VoxelKey key, std::uint32_t voxel) {
+    numbers_.insert(key, voxel, [this](std::uint32_t other) { return voxels_[other].key; });
+  }
+
+  VoxelNumbers numbers_;  ///< of voxels, by key
   std::vector<Voxel> voxels_;
   std::vector<MapPoint> points_;  // capacity_ per voxel
 };

@@ -65,15 +65,25 @@ std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::rays_of(const std::
   return out;
 }
 
+/// The group of rays that end in a cell; a new one gets the next number.
+std::uint32_t ProjectiveIntegrator::group_of(const Index3& cell) {
+  const auto next = static_cast<std::uint32_t>(group_cells_.size());
+  const auto cell_of = [this](std::uint32_t group) { return group_cells_[group]; };
+  const std::uint32_t group = groups_.insert(cell, next, cell_of);
+  if (group == next) group_cells_.push_back(cell);
+  return group;
+}
+
 /// One ray per end voxel: weighted mean point and summed weight; of clearing rays the first one stands for all.
 void ProjectiveIntegrator::merge(std::vector<Ray>* rays) {
   std::vector<Ray> out;  // in order of first points, so that the result is deterministic
+  group_cells_.clear();
   for (const bool is_clearing : {false, true}) {
     groups_.reset(rays->size());
     for (const Ray& ray : *rays) {
       if (ray.is_clearing != is_clearing) continue;
       const auto next = static_cast<std::uint32_t>(out.size());
-      const std::uint32_t group = groups_.insert(floor_index(ray.end / config_.resolution_m), next);
+      const std::uint32_t group = group_of(floor_index(ray.end / config_.resolution_m));
       if (group == next) {
         out.push_back(ray);
       } else if (!is_clearing) {
@@ -90,10 +100,11 @@ void ProjectiveIntegrator::merge(std::vector<Ray>* rays) {
 /// The first ray of each cell of half a voxel.
 void ProjectiveIntegrator::thin(std::vector<Ray>* rays) {
   groups_.reset(rays->size());
+  group_cells_.clear();
   std::vector<Ray> out;
   for (const Ray& ray : *rays) {
     const auto next = static_cast<std::uint32_t>(out.size());
-    if (groups_.insert(floor_index(ray.end / (0.5 * config_.resolution_m)), next) == next) out.push_back(ray);
+    if (group_of(floor_index(ray.end / (0.5 * config_.resolution_m))) == next) out.push_back(ray);
   }
   rays->swap(out);
 }
