@@ -9,13 +9,13 @@
 #include "voxnav/SubmapPoses.h"
 #include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/geometry/pose.hpp"
+#include "voxnav/pipeline/submap_scheduler.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav_ros {
 
-/// What a Handover message says besides its content; the submap itself is still missing.
-/// @throws std::invalid_argument when a pose is not valid or the pose lists differ in length
-voxnav::submap::SubmapEntry entry_of(const voxnav::Handover& msg);
+/// @throws std::invalid_argument when a pose or the content is not valid or the pose lists differ in length
+voxnav::pipeline::Handover from_msg(const voxnav::Handover& msg);
 
 /// A finished submap as the optimiser gets it.
 voxnav::Submap to_msg(const voxnav::submap::SubmapEntry& entry, const std::string& odometry_frame);

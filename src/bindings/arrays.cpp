@@ -51,6 +51,22 @@ py::array_t<double> pose_array(const geometry::Pose& pose) {
   return out;
 }
 
+py::array_t<double> stamps_array(const std::vector<geometry::StampedPose>& poses) {
+  std::vector<double> out;
+  for (const geometry::StampedPose& pose : poses) out.push_back(base::to_seconds(pose.stamp_ns));
+  return array_from(std::move(out), 0);
+}
+
+py::array_t<double> poses_array(const std::vector<geometry::StampedPose>& poses) {
+  const auto n = static_cast<py::ssize_t>(poses.size());
+  py::array_t<double> out(std::vector<py::ssize_t>{n, 4, 4});
+  for (py::ssize_t i = 0; i < n; ++i) {
+    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(out.mutable_data() + 16 * i) =
+        poses[static_cast<std::size_t>(i)].pose.matrix();
+  }
+  return out;
+}
+
 geometry::Vec3 vec3_of(const py::object& object, const char* name) {
   const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(object);
   if (!array) {

@@ -46,6 +46,10 @@ std::vector<geometry::Pose> poses_of(const py::array& array, const char* name);
 std::vector<geometry::StampedPose> stamped_poses_of(const py::array& stamps_s, const py::array& poses,
                                                     const char* name);
 py::array_t<double> pose_array(const geometry::Pose& pose);
+/// (n,) seconds.
+py::array_t<double> stamps_array(const std::vector<geometry::StampedPose>& poses);
+/// (n, 4, 4).
+py::array_t<double> poses_array(const std::vector<geometry::StampedPose>& poses);
 /// (2, 4, 4); None is rigid.
 geometry::Bend bend_of(const py::object& T);
 /// (3,) of numbers.

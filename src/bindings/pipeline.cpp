@@ -2,6 +2,7 @@
 #include "floors.hpp"
 #include "offline_config.hpp"
 #include "planning_manager.hpp"
+#include "submap_assembler.hpp"
 #include "submap_scheduler.hpp"
 
 namespace voxnav::bindings {
@@ -11,6 +12,7 @@ void bind_pipeline(pybind11::module_& m) {
   bind_planning_manager(m);
   bind_offline_config(m);
   bind_submap_scheduler(m);
+  bind_submap_assembler(m);
 }
 
 }  // namespace voxnav::bindings

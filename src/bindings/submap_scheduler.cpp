@@ -13,22 +13,6 @@ using pipeline::Handover;
 using pipeline::SubmapScheduler;
 using pipeline::SubmapSchedulerConfig;
 
-py::array_t<double> pose_stamps(const Handover& handover) {
-  std::vector<double> out;
-  for (const auto& pose : handover.poses) out.push_back(base::to_seconds(pose.stamp_ns));
-  return array_from(std::move(out), 0);
-}
-
-py::array_t<double> pose_history(const Handover& handover) {
-  const auto n = static_cast<py::ssize_t>(handover.poses.size());
-  py::array_t<double> out(std::vector<py::ssize_t>{n, 4, 4});
-  for (py::ssize_t i = 0; i < n; ++i) {
-    Eigen::Map<Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(out.mutable_data() + 16 * i) =
-        handover.poses[static_cast<std::size_t>(i)].pose.matrix();
-  }
-  return out;
-}
-
 void bind_handover(py::module_& m) {
   py::class_<Handover>(m, "Handover", "What the local map hands to the global map when a submap closes.")
       .def_readonly("submap_id", &Handover::submap_id)
@@ -39,8 +23,10 @@ void bind_handover(py::module_& m) {
       .def_property_readonly(
           "stamp", [](const Handover& h) { return base::to_seconds(h.stamp_ns); }, "Newest scan [s].")
       .def_property_readonly("T_O_S", [](const Handover& h) { return pose_array(h.T_O_S); })
-      .def_property_readonly("pose_stamps", &pose_stamps, "(n,) float64 [s].")
-      .def_property_readonly("T_S_B", &pose_history, "(n, 4, 4) float64 pose history.")
+      .def_property_readonly(
+          "pose_stamps", [](const Handover& h) { return stamps_array(h.poses); }, "(n,) float64 [s].")
+      .def_property_readonly(
+          "T_S_B", [](const Handover& h) { return poses_array(h.poses); }, "(n, 4, 4) float64 pose history.")
       .def_readonly("content", &Handover::content, "MapContent in frame O.");
 }
 

@@ -16,20 +16,15 @@ voxnav::geometry::Pose valid_pose(const geometry_msgs::Pose& msg, const char* na
   return *pose;
 }
 
-/// The fields that Handover and Submap share.
+/// The pose history that Handover and Submap messages share.
 template <class Msg>
-SubmapEntry common_part(const Msg& msg) {
-  SubmapEntry entry;
-  entry.id = msg.submap_id;
-  entry.start_ns = to_ns(msg.start);
-  entry.end_ns = to_ns(msg.header.stamp);
-  entry.T_O_S = valid_pose(msg.T_O_S, "T_O_S");
-  entry.T_W_S = entry.T_O_S;
+std::vector<voxnav::geometry::StampedPose> pose_history_of(const Msg& msg) {
   if (msg.pose_stamps.size() != msg.T_S_B.size()) throw std::invalid_argument("pose_stamps and T_S_B differ in length");
+  std::vector<voxnav::geometry::StampedPose> out;
   for (std::size_t i = 0; i < msg.T_S_B.size(); ++i) {
-    entry.T_S_B.push_back({to_ns(msg.pose_stamps[i]), valid_pose(msg.T_S_B[i], "T_S_B")});
+    out.push_back({to_ns(msg.pose_stamps[i]), valid_pose(msg.T_S_B[i], "T_S_B")});
   }
-  return entry;
+  return out;
 }
 
 }  // namespace
@@ -51,7 +46,18 @@ std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg) {
   return out;
 }
 
-SubmapEntry entry_of(const voxnav::Handover& msg) { return common_part(msg); }
+voxnav::pipeline::Handover from_msg(const voxnav::Handover& msg) {
+  voxnav::pipeline::Handover out;
+  out.submap_id = msg.submap_id;
+  out.is_final = msg.is_final;
+  out.reason = msg.reason;
+  out.start_ns = to_ns(msg.start);
+  out.stamp_ns = to_ns(msg.header.stamp);
+  out.T_O_S = valid_pose(msg.T_O_S, "T_O_S");
+  out.poses = pose_history_of(msg);
+  out.content = voxnav::occupancy::MapContent::from_bytes(std::string(msg.content.begin(), msg.content.end()));
+  return out;
+}
 
 voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_frame) {
   voxnav::Submap msg;
@@ -70,7 +76,13 @@ voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_fram
 }
 
 SubmapEntry from_msg(const voxnav::Submap& msg) {
-  SubmapEntry entry = common_part(msg);
+  SubmapEntry entry;
+  entry.id = msg.submap_id;
+  entry.start_ns = to_ns(msg.start);
+  entry.end_ns = to_ns(msg.header.stamp);
+  entry.T_O_S = valid_pose(msg.T_O_S, "T_O_S");
+  entry.T_W_S = entry.T_O_S;
+  entry.T_S_B = pose_history_of(msg);
   entry.submap = voxnav::submap::Submap::from_bytes(std::string(msg.data.begin(), msg.data.end()));
   return entry;
 }

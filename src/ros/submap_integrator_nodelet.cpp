@@ -3,7 +3,6 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
-#include "voxnav/occupancy/map_content.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/submap_conversions.hpp"
@@ -24,8 +23,7 @@ void SubmapIntegratorNodelet::initialize() {
   params.finish();
   map_frame_ = config_.map_frame;
   odometry_frame_ = config_.odometry_frame;
-  is_projective_ = config_.filling == SubmapFilling::kProjective;
-  if (is_projective_) integrator_ = std::make_unique<submap::ProjectiveIntegrator>(projective_config_);
+  make_assembler();
   map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
   pictures_ = std::make_unique<SubmapPictures>(config_);
   worker_ = std::make_unique<Worker>(static_cast<std::size_t>(config_.max_queue));
@@ -33,9 +31,18 @@ void SubmapIntegratorNodelet::initialize() {
   advertise();
 }
 
+void SubmapIntegratorNodelet::make_assembler() {
+  voxnav::pipeline::SubmapAssemblerConfig config;
+  config.submap = submap_config_;
+  if (config_.filling == SubmapFilling::kProjective) config.projective = projective_config_;
+  config.projective_period_s = config_.projective_period_s;
+  config.max_open_submaps = config_.max_open_handovers;
+  assembler_ = std::make_unique<voxnav::pipeline::SubmapAssembler>(config);
+}
+
 void SubmapIntegratorNodelet::start() {
   ros::NodeHandle& nh = getMTPrivateNodeHandle();
-  if (is_projective_) {
+  if (assembler_->is_projective()) {
     tf_ = std::make_unique<tf2_ros::Buffer>();
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_);
     points_ =
@@ -88,39 +95,25 @@ void SubmapIntegratorNodelet::refuse(const std::string& what, const std::string&
 void SubmapIntegratorNodelet::on_handover(const voxnav::HandoverConstPtr& msg) {
   enqueue("handover", [this, msg] {
     if (!msg->header.frame_id.empty()) odometry_frame_ = msg->header.frame_id;
-    if (is_projective_) {
-      if (msg->is_final && config_.projective_period_s <= 0.0) close_projective(entry_of(*msg));
-    } else {
-      take_handover(*msg);
-    }
+    take_handover(from_msg(*msg));
     diagnostics().add_latency("handover", msg->header.stamp);
     publish_progress(msg->header.stamp);
   });
 }
 
-void SubmapIntegratorNodelet::take_handover(const voxnav::Handover& msg) {
-  const std::string bytes(msg.content.begin(), msg.content.end());
-  voxnav::occupancy::MapContent content = voxnav::occupancy::MapContent::from_bytes(bytes);
-  if (!msg.is_final) {
-    pending_[msg.submap_id].merge(content);
-    if (pending_.size() > static_cast<std::size_t>(config_.max_open_handovers)) {
-      pending_.erase(pending_.begin());
-      diagnostics().add_dropped("early content");
-    }
-    return;
-  }
-  const auto early = pending_.find(msg.submap_id);
-  if (early != pending_.end()) {
-    early->second.merge(content);
-    content = std::move(early->second);
-    pending_.erase(early);
-  }
-  submap::SubmapEntry entry = entry_of(msg);
-  {
+void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& handover) {
+  voxnav::pipeline::SubmapAssembler::Result result;
+  if (handover.is_final) {
     const auto timer = diagnostics().time("finish");
-    entry.submap = submap::Submap::from_content(content, entry.T_O_S.inverse(Eigen::Isometry), submap_config_);
+    result = assembler_->add(handover);
+  } else {
+    result = assembler_->add(handover);
   }
-  add(std::move(entry));
+  if (result.dropped) {
+    diagnostics().add_dropped("early content");
+    NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << *result.dropped);
+  }
+  if (result.submap) add(std::move(*result.submap));
 }
 
 void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
@@ -221,35 +214,22 @@ void SubmapIntegratorNodelet::integrate(const sensor_msgs::PointCloud2& msg) {
       tf_->lookupTransform(odometry_frame_, msg.header.frame_id, msg.header.stamp, ros::Duration(config_.tf_timeout_s));
   const auto T_O_L = from_msg(transform.transform);
   if (!T_O_L) throw std::invalid_argument("tf gave no valid pose");
-  const voxnav::cloud::RawCloudView view = view_of(msg);
-  std::vector<voxnav::geometry::Vec3f> points = positions_of(view);
   {
+    const std::vector<voxnav::geometry::Vec3f> points_L = positions_of(view_of(msg));
     const auto timer = diagnostics().time("integrate");
-    integrator_->integrate(points, *T_O_L);
+    assembler_->integrate(points_L, *T_O_L, to_ns(msg.header.stamp));
   }
-  const voxnav::base::StampNs stamp_ns = to_ns(msg.header.stamp);
-  if (open_.T_S_B.empty()) {
-    open_.start_ns = stamp_ns;
-    open_.T_O_S = voxnav::geometry::gravity_aligned(*T_O_L);
-  }
-  constexpr std::size_t kMaxPoses = 10000;
-  if (open_.T_S_B.size() < kMaxPoses) open_.T_S_B.push_back({stamp_ns, open_.T_O_S.inverse(Eigen::Isometry) * *T_O_L});
-  open_.end_ns = stamp_ns;
-  const double age_s = voxnav::base::to_seconds(stamp_ns - open_.start_ns);
-  if (config_.projective_period_s > 0.0 && (age_s >= config_.projective_period_s || age_s < 0.0))
-    close_projective(open_);
+  if (assembler_->is_due()) close_submap_of_clouds();
   diagnostics().add_latency("cloud", msg.header.stamp);
   publish_progress(msg.header.stamp);
 }
 
-void SubmapIntegratorNodelet::close_projective(submap::SubmapEntry entry) {
+void SubmapIntegratorNodelet::close_submap_of_clouds() {
+  submap::SubmapEntry entry;
   {
     const auto timer = diagnostics().time("finish");
-    entry.submap = integrator_->finish(submap_config_, entry.T_O_S.inverse(Eigen::Isometry));
+    entry = assembler_->close();
   }
-  const std::uint32_t next_id = entry.id + 1;
-  open_ = {};
-  open_.id = next_id;
   add(std::move(entry));
 }
 

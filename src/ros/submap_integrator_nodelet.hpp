@@ -20,7 +20,7 @@
 #include "voxnav/Handover.h"
 #include "voxnav/Submap.h"
 #include "voxnav/SubmapPoses.h"
-#include "voxnav/submap/projective_integrator.hpp"
+#include "voxnav/pipeline/submap_assembler.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_ros/worker.hpp"
@@ -36,6 +36,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
  private:
   void initialize() override;
   void start() override;
+  void make_assembler();
   void advertise();
   void enqueue(const char* what, std::function<void()> task);
   void refuse(const std::string& what, const std::string& reason);
@@ -58,10 +59,10 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void autosave();
 
   // On the worker, with the mutex held.
-  void take_handover(const voxnav::Handover& msg);
+  void take_handover(const voxnav::pipeline::Handover& handover);
   void take_poses(const voxnav::SubmapPoses& msg);
   void integrate(const sensor_msgs::PointCloud2& msg);
-  void close_projective(submap::SubmapEntry entry);
+  void close_submap_of_clouds();
   void add(submap::SubmapEntry entry);
   void refresh(const ros::Time& stamp);
   void continue_from(const submap::SubmapCollection& loaded);
@@ -74,15 +75,12 @@ class SubmapIntegratorNodelet : public NodeletBase {
   submap::SubmapConfig submap_config_;
   submap::ProjectiveConfig projective_config_;
   submap::SubmapCollectionConfig collection_config_;
-  bool is_projective_ = false;
   std::unique_ptr<tf2_ros::Buffer> tf_;
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
 
   std::mutex mutex_;
   std::string map_frame_, odometry_frame_;
-  std::map<std::uint32_t, voxnav::occupancy::MapContent> pending_;
-  std::unique_ptr<submap::ProjectiveIntegrator> integrator_;
-  submap::SubmapEntry open_;  ///< projective filling: the submap being filled
+  std::unique_ptr<voxnav::pipeline::SubmapAssembler> assembler_;
   std::unique_ptr<MergedMap> map_;
   voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< W starts as O
   std::uint32_t newest_id_ = 0;
