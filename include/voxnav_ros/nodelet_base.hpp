@@ -7,14 +7,14 @@
 #include <memory>
 #include <string>
 
-#include "voxnav/Progress.h"
 #include "voxnav/base/config.hpp"
 #include "voxnav_ros/diagnostics.hpp"
 #include "voxnav_ros/param_loader.hpp"
+#include "voxnav_ros/time_seam.hpp"
 
 namespace voxnav_ros {
 
-/// What every nodelet of voxnav does the same way: strict parameters, diagnostics, progress.
+/// What every nodelet of voxnav does the same way: strict parameters, diagnostics, time.
 /// A nodelet with unusable parameters logs every problem and is not loaded.
 class NodeletBase : public nodelet::Nodelet {
  protected:
@@ -29,20 +29,24 @@ class NodeletBase : public nodelet::Nodelet {
   /// (https://github.com/ros/nodelet_core/issues/106).
   virtual void start() {}
 
+  /// The node's parameters, for initialize(), which takes its sections and calls finish(). `time` is taken already.
+  ParamLoader& parameters() { return *parameters_; }
   Diagnostics& diagnostics() { return *diagnostics_; }
+  Clock& clock() { return time_->clock(); }
   const std::string& node() const { return node_; }
-  /// Tells the lock-step simulation that everything up to this stamp has been dealt with.
-  void publish_progress(const ros::Time& stamp);
-  /// Tells it that these nodes are about to be sent something, and will report this stamp when they are done with it.
-  void announce_work(const std::vector<std::string>& nodes, const ros::Time& stamp);
+  /// See TimeSeam::report_done().
+  void publish_progress(const ros::Time& stamp) { time_->report_done(stamp); }
+  /// See TimeSeam::announce().
+  void announce_work(const ros::Time& stamp) { time_->announce(stamp); }
 
  private:
   void onInit() final;
 
   std::string node_;
   std::string name_;  ///< of the ROS node, without its namespace: who diagnostics and progress speak for
+  std::unique_ptr<ParamLoader> parameters_;
   std::unique_ptr<Diagnostics> diagnostics_;
-  ros::Publisher progress_;
+  std::unique_ptr<TimeSeam> time_;
   ros::SteadyTimer starter_;
 };
 

@@ -33,7 +33,7 @@ class CloudFilterNodelet : public NodeletBase {
     voxnav::cloud::CloudFilterConfig config;
     voxnav::cloud::OpenBeamsConfig open_beams;
     voxnav::cloud::BodyMaskConfig body_mask;
-    ParamLoader params(getPrivateNodeHandle());
+    ParamLoader& params = parameters();
     params.section("filter", &config);
     params.section("open_beams", &open_beams);
     params.section("body_mask", &body_mask);

@@ -16,6 +16,7 @@
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 #include "voxnav/pipeline/load_control.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
+#include "voxnav/pipeline/time_config.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 #ifdef VOXNAV_HAS_SIMULATION
@@ -70,7 +71,9 @@ std::string section(const char* name) {
   return json(std::string(name)) + ": [\n  " + fields + "]";
 }
 
-void print(const char* node, const std::vector<std::string>& sections, bool is_last = false) {
+/// The sections of a node, and those that all nodes have.
+void print(const char* node, std::vector<std::string> sections, bool is_last = false) {
+  sections.push_back(section<voxnav::pipeline::TimeConfig>("time"));
   std::cout << json(std::string(node)) << ": {";
   for (std::size_t i = 0; i < sections.size(); ++i) std::cout << (i ? ",\n " : "\n ") << sections[i];
   std::cout << (is_last ? "}\n" : "},\n");

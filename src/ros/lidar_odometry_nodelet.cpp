@@ -21,7 +21,7 @@ constexpr double kWaitCheck_s = 0.005;
 
 void LidarOdometryNodelet::initialize() {
   ros::NodeHandle& nh = getPrivateNodeHandle();
-  ParamLoader params(nh);
+  ParamLoader& params = parameters();
   params.section("odometry", &odometry_config_);
   params.section("node", &config_);
   params.finish();

@@ -53,7 +53,7 @@ class LidarSimulatorNodelet : public NodeletBase {
  private:
   void initialize() override {
     voxnav_simulation::LidarConfig lidar;
-    ParamLoader params(getPrivateNodeHandle());
+    ParamLoader& params = parameters();
     params.section("lidar", &lidar);
     params.section("node", &config_);
     params.finish();

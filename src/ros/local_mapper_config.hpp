@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -21,7 +20,6 @@ struct LocalMapperConfig {
   double occupied_period_s = 10.0;
   double octomap_period_s = 1.0;
   bool is_octomap_binary = false;
-  std::vector<std::string> lockstep_consumers{};
 
   template <class V>
   static void fields(V&& v) {
@@ -43,8 +41,6 @@ struct LocalMapperConfig {
     v("octomap_period_s", &C::octomap_period_s, in(0.05, 1000.0), "s",
       "OctoMap on ~octomap_out, while someone listens");
     v("is_octomap_binary", &C::is_octomap_binary, any(), "", "occupied and free only, instead of probabilities");
-    v("lockstep_consumers", &C::lockstep_consumers, any(), "",
-      "nodes that take handovers: in lock-step simulated time waits for them too");
   }
 };
 

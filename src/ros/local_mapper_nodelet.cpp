@@ -29,7 +29,7 @@ void LocalMapperNodelet::initialize() {
   occupancy::LocalMapConfig map;
   pipeline::SubmapSchedulerConfig submap;
   pipeline::LoadControlConfig load;
-  ParamLoader params(getPrivateNodeHandle());
+  ParamLoader& params = parameters();
   params.section("map", &map);
   params.section("submap", &submap);
   params.section("load", &load);
@@ -116,7 +116,7 @@ void LocalMapperNodelet::process() {
 
 void LocalMapperNodelet::insert(LocatedScan* scan) {
   const ros::Time& stamp = scan->msg->header.stamp;
-  const ros::SteadyTime start = ros::SteadyTime::now();
+  const double start_s = clock().now_s();
   if (!watch_clock(stamp)) return;
   watch_jump(scan->T_O_B);
   thin_out(&scan->points);
@@ -136,7 +136,7 @@ void LocalMapperNodelet::insert(LocatedScan* scan) {
     hand_over(scheduler_->add_scan(map_.get(), to_ns(stamp), scan->T_O_B));
   }
   publish_pictures(stamp);
-  watch_load((ros::SteadyTime::now() - start).toSec(), stamp);
+  watch_load(clock().now_s() - start_s, stamp);
   publish_progress(stamp);
 }
 
@@ -185,7 +185,7 @@ void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
 void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handovers) {
   for (const pipeline::Handover& handover : handovers) {
     const voxnav::Handover msg = to_msg(handover, config_.odometry_frame);
-    announce_work(config_.lockstep_consumers, msg.header.stamp);
+    announce_work(msg.header.stamp);
     handovers_.publish(msg);
     NODELET_INFO_STREAM("[" << node() << "]: submap " << handover.submap_id
                             << (handover.is_final ? " closed: " : " early: ") << handover.reason << ", "

@@ -13,9 +13,7 @@ constexpr double kWarningHold_s = 2.0;
 
 }  // namespace
 
-/// In lock-step time waits for the map: nothing is late, and flights must not depend on the machine.
 void LocalMapperNodelet::watch_load(double work_s, const ros::Time& stamp) {
-  if (!config_.lockstep_consumers.empty()) return;
   if (!last_inserted_.isZero()) load_->add(work_s, (stamp - last_inserted_).toSec());
   last_inserted_ = stamp;
   diagnostics().set_counter("decimation", load_->decimation());

@@ -12,7 +12,10 @@ void NodeletBase::onInit() {
   nh.setCallbackQueue(ros::getGlobalCallbackQueue());
   name_ = getName().substr(getName().rfind('/') + 1);
   diagnostics_ = std::make_unique<Diagnostics>(name_, nh);
-  progress_ = nh.advertise<voxnav::Progress>("progress_out", 50);
+  parameters_ = std::make_unique<ParamLoader>(nh);
+  voxnav::pipeline::TimeConfig time;
+  parameters_->section("time", &time);
+  time_ = std::make_unique<TimeSeam>(time, name_, nh);
   try {
     initialize();
   } catch (const std::exception& error) {
@@ -25,23 +28,6 @@ void NodeletBase::onInit() {
     NODELET_INFO_STREAM("[" << node_ << "]: initialized");
   };
   starter_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1e-3), begin, true);
-}
-
-void NodeletBase::publish_progress(const ros::Time& stamp) {
-  voxnav::Progress progress;
-  progress.node = name_;
-  progress.stamp = stamp;
-  progress_.publish(progress);
-}
-
-void NodeletBase::announce_work(const std::vector<std::string>& nodes, const ros::Time& stamp) {
-  for (const std::string& name : nodes) {
-    voxnav::Progress progress;
-    progress.node = name;
-    progress.stamp = stamp;
-    progress.is_begun = true;
-    progress_.publish(progress);
-  }
 }
 
 }  // namespace voxnav_ros

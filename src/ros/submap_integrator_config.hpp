@@ -3,7 +3,6 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -34,7 +33,6 @@ struct SubmapIntegratorConfig {
   double slice_offset_m = 0.0;
   double slice_max_distance_m = 6.0;
   std::string autosave_dir = "";
-  std::vector<std::string> lockstep_consumers{};
 
   template <class V>
   static void fields(V&& v) {
@@ -68,8 +66,6 @@ struct SubmapIntegratorConfig {
     v("slice_max_distance_m", &C::slice_max_distance_m, base::in(0.5, 50.0), "m",
       "distances in the slice saturate here");
     v("autosave_dir", &C::autosave_dir, base::any(), "", "where the map is saved after every submap; empty = nowhere");
-    v("lockstep_consumers", &C::lockstep_consumers, base::any(), "",
-      "nodes that take submaps: in lock-step simulated time waits for them too");
   }
 };
 

@@ -15,7 +15,7 @@ constexpr double kLogPeriod_s = 5.0;
 }  // namespace
 
 void SubmapIntegratorNodelet::initialize() {
-  ParamLoader params(getPrivateNodeHandle());
+  ParamLoader& params = parameters();
   params.section("node", &config_);
   params.section("submap", &submap_config_);
   params.section("projective", &projective_config_);
@@ -123,7 +123,7 @@ void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   if (!id_shift_) id_shift_ = entry.id >= first_id_ ? 0 : first_id_ - entry.id;
   entry.id += *id_shift_;
   const voxnav::Submap msg = to_msg(entry, odometry_frame_);
-  announce_work(config_.lockstep_consumers, msg.header.stamp);
+  announce_work(msg.header.stamp);
   submap_.publish(msg);
   newest_id_ = entry.id;
   const ros::Time stamp = to_ros(entry.end_ns);

@@ -48,7 +48,7 @@ class UavSimulatorNodelet : public NodeletBase {
   }
 
   void load() {
-    ParamLoader params(getPrivateNodeHandle());
+    ParamLoader& params = parameters();
     params.section("node", &config_);
     params.section("uav", &uav_config_);
     params.section("drift", &drift_);

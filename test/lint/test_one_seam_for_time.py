@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether time is real or waits for the nodes is known in one place; flight code does not ask."""
+
+import os
+import re
+
+from test_floors import ROOT, git_files
+
+WORDS = re.compile(r"lock[-_ ]?step|is_synchronous", re.IGNORECASE)
+# The seam itself, the simulator with its configuration, what starts and leads a simulation, and texts about it.
+ALLOWED = re.compile(
+    r"^(include/voxnav_ros/time_seam\.hpp|src/ros/time_seam\.cpp|src/voxnav/nodes/time_seam\.py"
+    r"|src/simulation/|src/ros/uav_simulator/|include/voxnav_simulation/|config/uav_simulator\.yaml"
+    r"|launch/|src/voxnav/demo/|src/voxnav/nodes/(demo_mission|flight_recorder|time_leader)\.py"
+    r"|test/|docs/|README\.md|CHANGELOG\.rst|CONTRIBUTING\.md|scripts/dev/)")
+# Nodes that have not moved to the seam yet.
+PENDING = re.compile(
+    r"^(config/(planning_manager|submap_optimizer)\.yaml|include/voxnav/graph/optimizer_config\.hpp"
+    r"|include/voxnav/pipeline/planning_node_config\.hpp|src/voxnav/nodes/(node_base|submap_optimizer|planning_\w+)\.py)$")
+
+
+def test_flight_code_does_not_know_which_time_it_runs_on():
+    found = []
+    for path in git_files("*"):
+        if ALLOWED.match(path) or PENDING.match(path):
+            continue
+        with open(os.path.join(ROOT, path), errors="ignore") as source:
+            found += ["%s:%d: %s" % (path, number, line.strip()) for number, line in enumerate(source, 1)
+                      if WORDS.search(line)]
+    assert not found, "\n".join(found)
