@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "voxnav/SceneChanges.h"
+#include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav_ros {
@@ -19,9 +20,9 @@ visualization_msgs::Marker blank_marker(const char* ns, std::int32_t type, doubl
 
 /// How voxels that hold a believed surface are shown as cubes.
 struct CubeStyle {
-  int min_hits = 1;              ///< surfaces that fewer scans have hit are left out
-  bool is_by_submap = false;     ///< one colour per submap; else by height
-  double color_period_m = 20.0;  ///< heights after which colours repeat
+  int min_hits = 1;           ///< surfaces that fewer scans have hit are left out
+  bool is_by_submap = false;  ///< one colour per submap; else by height
+  voxnav::submap::HeightScale heights;
 };
 
 /// Adds the voxels of some blocks whose centre the distance field has nearer to a surface than half a voxel diagonal,
@@ -30,8 +31,9 @@ void add_cubes(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks
                visualization_msgs::Marker* marker);
 
 /// Adds the triangles of the merged mesh in some blocks, coloured by height.
-void add_mesh(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks, double color_period_m,
-              std::size_t max_triangles, visualization_msgs::Marker* marker);
+void add_mesh(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks,
+              const voxnav::submap::HeightScale& heights, std::size_t max_triangles,
+              visualization_msgs::Marker* marker);
 
 /// Distances to the nearest believed surface (field `intensity`) on a horizontal plane through known space of `bounds`;
 /// coarser than the voxels when more than max_points would be needed.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -26,7 +27,8 @@ struct SubmapIntegratorConfig {
   double picture_period_s = 0.2;
   int max_markers = 20000;
   int min_marker_hits = 2;
-  double color_period_m = 20.0;
+  double color_min_m = -4.0;
+  double color_max_m = 12.0;
   int max_mesh_triangles = 20000;
   int max_cloud_points = 200000;
   int max_changes = 100;
@@ -57,7 +59,10 @@ struct SubmapIntegratorConfig {
     v("max_markers", &C::max_markers, base::in(1, 1000000), "", "cubes per occupancy message");
     v("min_marker_hits", &C::min_marker_hits, base::in(1, 255), "",
       "surfaces that fewer scans have hit are not shown as cubes");
-    v("color_period_m", &C::color_period_m, base::in(1.0, 1000.0), "m", "heights after which colours repeat");
+    v("color_min_m", &C::color_min_m, base::in(-1000.0, 1000.0), "m",
+      "height in W of the lower end of the colours (red), as in rviz/*.rviz");
+    v("color_max_m", &C::color_max_m, base::in(-1000.0, 1000.0), "m",
+      "height in W of the upper end of the colours (magenta)");
     v("max_mesh_triangles", &C::max_mesh_triangles, base::in(1, 1000000), "", "triangles per turn of the mesh");
     v("max_cloud_points", &C::max_cloud_points, base::in(1, 10000000), "", "points per obstacle cloud or slice");
     v("max_changes", &C::max_changes, base::in(1, 10000), "", "appeared and disappeared things per message");
@@ -66,6 +71,10 @@ struct SubmapIntegratorConfig {
     v("slice_max_distance_m", &C::slice_max_distance_m, base::in(0.5, 50.0), "m",
       "distances in the slice saturate here");
     v("autosave_dir", &C::autosave_dir, base::any(), "", "where the map is saved after every submap; empty = nowhere");
+  }
+  std::vector<std::string> problems() const {
+    if (color_max_m > color_min_m) return {};
+    return {"color_max_m must be above color_min_m"};
   }
 };
 

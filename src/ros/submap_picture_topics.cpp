@@ -18,7 +18,7 @@ constexpr std::size_t kMinVoxelsOfChange = 10;
 SubmapPictures::SubmapPictures(const SubmapIntegratorConfig& config) : config_(config) {
   CubeStyle style;
   style.min_hits = config.min_marker_hits;
-  style.color_period_m = config.color_period_m;
+  style.heights = {config.color_min_m, config.color_max_m};
   const auto cubes = [this](const CubeStyle& how, const char* ns) {
     const auto draw = [this, how](const Blocks& blocks, Marker* marker) {
       const double voxel_m = evidence_->resolution_m();
@@ -30,9 +30,9 @@ SubmapPictures::SubmapPictures(const SubmapIntegratorConfig& config) : config_(c
   occupancy_.markers = cubes(style, "occupancy");
   style.is_by_submap = true;
   submaps_.markers = cubes(style, "submaps");
-  const auto draw_mesh = [this](const Blocks& blocks, Marker* marker) {
+  const auto draw_mesh = [this, heights = style.heights](const Blocks& blocks, Marker* marker) {
     const auto limit = static_cast<std::size_t>(config_.max_mesh_triangles);
-    add_mesh(*evidence_, blocks, config_.color_period_m, limit, marker);
+    add_mesh(*evidence_, blocks, heights, limit, marker);
   };
   mesh_.markers = std::make_unique<TiledMarkers>(blank_marker("mesh", Marker::TRIANGLE_LIST, 1.0), draw_mesh);
 }

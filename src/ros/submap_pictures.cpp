@@ -110,19 +110,19 @@ void add_cubes(const submap::EvidenceMap& evidence, const Blocks& blocks, const 
       const Vec3 center = voxnav::geometry::center_of(voxel, evidence.resolution_m());
       marker->points.push_back(point_of(center));
       marker->colors.push_back(to_msg(style.is_by_submap ? submap::color_of(leaf.submap_id)
-                                                         : submap::color_of_height(center.z(), style.color_period_m)));
+                                                         : submap::color_of_height(center.z(), style.heights)));
     }
   }
 }
 
-void add_mesh(const submap::EvidenceMap& evidence, const Blocks& blocks, double color_period_m,
+void add_mesh(const submap::EvidenceMap& evidence, const Blocks& blocks, const submap::HeightScale& heights,
               std::size_t max_triangles, visualization_msgs::Marker* marker) {
   const submap::Mesh mesh = submap::extract_mesh(evidence, blocks, max_triangles);
   for (const auto& triangle : mesh.triangles) {
     for (const std::uint32_t i : triangle) {
       const Vec3 p = mesh.vertices[i].cast<double>();
       marker->points.push_back(point_of(p));
-      marker->colors.push_back(to_msg(submap::color_of_height(p.z(), color_period_m)));
+      marker->colors.push_back(to_msg(submap::color_of_height(p.z(), heights)));
     }
   }
 }

@@ -73,12 +73,28 @@ def published():
 
 @pytest.mark.parametrize("name", ["planning", "mapping", "graph"])
 def test_rviz_shows_topics_that_exist(name):
-    with open(os.path.join(ROOT, "rviz", name + ".rviz")) as source:
-        manager = yaml.safe_load(source)["Visualization Manager"]
-    topics = [d.get("Topic", d.get("Marker Topic")) for d in manager["Displays"]]
+    topics = [d.get("Topic", d.get("Marker Topic")) for d in displays(name)]
     topics = [topic for topic in topics if topic]
     assert len(topics) >= 3
     assert set(topics) <= published()
+
+
+def displays(name):
+    with open(os.path.join(ROOT, "rviz", name + ".rviz")) as source:
+        return yaml.safe_load(source)["Visualization Manager"]["Displays"]
+
+
+@pytest.mark.parametrize("name", ["planning", "mapping"])
+def test_everything_coloured_by_height_has_one_scale(name):
+    with open(os.path.join(ROOT, "config", "submap_integrator.yaml")) as source:
+        markers = yaml.safe_load(source)["node"]
+    clouds = [d for d in displays(name) if d.get("Color Transformer") == "AxisColor"]
+    assert clouds
+    for display in clouds:
+        bounds = display["Autocompute Value Bounds"]
+        assert not bounds["Value"], display["Name"] + ": bounds that follow the cloud are another scale"
+        assert (bounds["Min Value"], bounds["Max Value"]) == (markers["color_min_m"], markers["color_max_m"])
+        assert display["Axis"] == "Z" and display["Use rainbow"] and display.get("Use Fixed Frame", True)
 
 
 def test_the_tmux_session_uses_files_and_arguments_that_exist():

@@ -40,8 +40,13 @@ Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles = 1000
 /// Same id, same colour; neighbouring ids differ clearly.
 Color color_of(std::uint32_t submap_id);
 
-/// Blue over green to red and back with the height, one way every half `period_m`, without jumps.
-Color color_of_height(double z_m, double period_m = 20.0);
+/// Heights between which colours run from red over green to magenta; what is lower or higher has the colour of the end.
+struct HeightScale {
+  double min_m = -4.0;
+  double max_m = 12.0;
+};
+/// The rainbow of rviz' point clouds that are coloured by an axis, so that both agree where their bounds do.
+Color color_of_height(double z_m, const HeightScale& scale = {});
 
 /// Binary little-endian PLY.
 std::string to_ply(const Mesh& mesh);

@@ -81,8 +81,23 @@ TEST(Mesh, PlyHoldsWhatItAnnounces) {
   const std::size_t header = ply.find("end_header\n") + std::strlen("end_header\n");
   EXPECT_EQ(ply.size() - header, mesh.vertices.size() * 15 + mesh.triangles.size() * 13);
   EXPECT_NE(submap::color_of(1), submap::color_of(2));
-  EXPECT_NE(submap::color_of_height(0.0), submap::color_of_height(5.0));
-  EXPECT_EQ(submap::color_of_height(-3.0), submap::color_of_height(17.0));
+}
+
+TEST(Mesh, HeightsHaveTheRainbowOfRviz) {
+  const submap::HeightScale scale{-4.0, 6.0};
+  EXPECT_EQ(submap::color_of_height(-4.0, scale), (submap::Color{255, 0, 0}));
+  EXPECT_EQ(submap::color_of_height(-2.0, scale), (submap::Color{255, 255, 0}));
+  EXPECT_EQ(submap::color_of_height(0.0, scale), (submap::Color{0, 255, 0}));
+  EXPECT_EQ(submap::color_of_height(2.0, scale), (submap::Color{0, 255, 255}));
+  EXPECT_EQ(submap::color_of_height(4.0, scale), (submap::Color{0, 0, 255}));
+  EXPECT_EQ(submap::color_of_height(6.0, scale), (submap::Color{255, 0, 255}));
+  EXPECT_EQ(submap::color_of_height(3.0, scale), (submap::Color{0, 128, 255}));
+}
+
+TEST(Mesh, HeightsBeyondTheScaleHaveTheColourOfItsEnd) {
+  EXPECT_EQ(submap::color_of_height(-100.0), submap::color_of_height(-4.0));
+  EXPECT_EQ(submap::color_of_height(100.0), submap::color_of_height(12.0));
+  EXPECT_NE(submap::color_of_height(-4.0), submap::color_of_height(12.0));
 }
 
 namespace {

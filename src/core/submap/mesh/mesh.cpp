@@ -193,14 +193,14 @@ Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles) {
   return out;
 }
 
-Color color_of_height(double z_m, double period_m) {
-  const double phase = z_m / period_m - std::floor(z_m / period_m);
-  const double hue = 4.0 * (1.0 - (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase));  // 4 = blue, 2 = green, 0 = red
+Color color_of_height(double z_m, const HeightScale& scale) {
+  const double share = std::clamp((z_m - scale.min_m) / (scale.max_m - scale.min_m), 0.0, 1.0);
+  const double hue = 5.0 * share;  // 0 = red, 2 = green, 4 = blue, 5 = magenta
   Color out;
   for (int k = 0; k < 3; ++k) {
     const double distance = std::abs(std::fmod(hue + 6.0 - 2.0 * k, 6.0) - 3.0);
     out[static_cast<std::size_t>(k)] =
-        static_cast<std::uint8_t>(255.0 * (0.15 + 0.8 * std::min(1.0, std::max(0.0, distance - 1.0))));
+        static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(distance - 1.0, 0.0, 1.0)));
   }
   return out;
 }
