@@ -8,24 +8,24 @@
 namespace voxnav_simulation {
 
 /// Largest speed, acceleration and jerk of one axis, in m or rad.
-struct AxisLimits {
+struct TrackerAxisLimits {
   double speed;
   double acceleration;
   double jerk;
 };
 
 /// What the vehicle may do. Horizontal limits hold for the norm of the x-y vector.
-struct DynamicsLimits {
-  AxisLimits horizontal;
-  AxisLimits ascending;
-  AxisLimits descending;
-  AxisLimits heading;
+struct TrackerLimits {
+  TrackerAxisLimits horizontal;
+  TrackerAxisLimits ascending;
+  TrackerAxisLimits descending;
+  TrackerAxisLimits heading;
 
   /// Acceleration and jerk that hold upwards and downwards.
   double vertical_acceleration() const;
   double vertical_jerk() const;
   /// The same limits with every number multiplied by `ratio`.
-  DynamicsLimits scaled(double ratio) const;
+  TrackerLimits scaled(double ratio) const;
 };
 
 /// The sets of limits of the constraint manager.
@@ -62,6 +62,6 @@ struct UavConstraintsConfig {
   }
 };
 
-DynamicsLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set);
+TrackerLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set);
 
 }  // namespace voxnav_simulation

@@ -32,7 +32,7 @@ struct ImuConfig {
 };
 
 /// One inertial measurement in the body frame, averaged over the step that ends at the stamp, as strapdown units do.
-struct ImuSample {
+struct ImuReading {
   voxnav::base::StampNs stamp_ns = 0;
   Vec3 gyro = Vec3::Zero();   ///< rad/s
   Vec3 accel = Vec3::Zero();  ///< specific force, m/s^2; (0, 0, 9.81) at rest
@@ -42,7 +42,7 @@ struct ImuSample {
 class ImuModel {
  public:
   ImuModel(const ImuConfig& config, std::uint64_t seed);
-  void corrupt(double dt_s, ImuSample* sample);
+  void corrupt(double dt_s, ImuReading* sample);
 
  private:
   Vec3 normal(double sigma);

@@ -42,14 +42,14 @@ class LockStep {
   bool is_waiting_for_leader() const { return !leader_.empty() && !has_leader_reported_; }
 
  private:
-  struct State {
+  struct NodeState {
     voxnav::base::StampNs stamp_ns = 0;
     bool has_reported = false;
     bool is_left_behind = false;
   };
   voxnav::base::StampNs required(voxnav::base::StampNs stamp_ns) const;
 
-  std::map<std::string, State> nodes_;
+  std::map<std::string, NodeState> nodes_;
   /// Announced minus done, by node and stamp; a report of what was never announced counts -1 and is soon forgotten.
   std::map<std::pair<voxnav::base::StampNs, std::string>, int> begun_;
   voxnav::base::StampNs lag_ns_;

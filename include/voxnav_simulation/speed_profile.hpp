@@ -36,7 +36,7 @@ class SpeedProfile {
  public:
   /// @param reserves_m  per vertex: nearer than this only part of the acceleration is used along the path, the rest is
   ///                    left for the turn
-  SpeedProfile(const Polyline& path, const DynamicsLimits& limits, const std::vector<double>& reserves_m);
+  SpeedProfile(const Polyline& path, const TrackerLimits& limits, const std::vector<double>& reserves_m);
 
   void cap_vertex(std::size_t vertex, double speed);
   void scale_caps(double first_arc_m, double last_arc_m, double ratio);

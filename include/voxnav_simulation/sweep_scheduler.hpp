@@ -11,7 +11,7 @@
 namespace voxnav_simulation {
 
 /// One turn that can be measured now.
-struct Sweep {
+struct SimulatedSweep {
   voxnav::base::StampNs start_ns = 0;
   std::uint64_t index = 0;  ///< number of the turn since stamp 0: the same whenever the simulator was started
   std::vector<Pose> T_W_L;  ///< one per column
@@ -32,7 +32,7 @@ class SweepScheduler {
 
   void add_truth(const voxnav::geometry::StampedPose& T_W_B);
   /// The next turn that the truth covers completely, until there is none left.
-  std::optional<Sweep> next();
+  std::optional<SimulatedSweep> next();
   const SweepCounts& counts() const { return counts_; }
 
  private:

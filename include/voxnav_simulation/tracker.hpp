@@ -33,10 +33,10 @@ enum class TrackerMode { kHold, kBrake, kGoal, kTrajectory };
 /// until the next command. Not thread-safe.
 class Tracker {
  public:
-  explicit Tracker(const DynamicsLimits& limits);
+  explicit Tracker(const TrackerLimits& limits);
 
-  void set_limits(const DynamicsLimits& limits);
-  const DynamicsLimits& limits() const { return limits_; }
+  void set_limits(const TrackerLimits& limits);
+  const TrackerLimits& limits() const { return limits_; }
 
   /// Puts the state there at once (on the ground).
   void reset(const KinematicState& state);
@@ -64,7 +64,7 @@ class Tracker {
     HeadedPoint goal;
     double time_s = 0;  ///< along the trajectory
   };
-  struct Trajectory {
+  struct Followed {
     Spline spline;
     bool use_heading;
     bool is_loop;
@@ -73,8 +73,8 @@ class Tracker {
   Motion next(const Motion& motion) const;
   void update_mode(Motion* motion) const;
 
-  DynamicsLimits limits_;
-  std::shared_ptr<const Trajectory> trajectory_;
+  TrackerLimits limits_;
+  std::shared_ptr<const Followed> trajectory_;
   Motion now_;
   std::deque<Motion> ahead_;  ///< ahead_[i] is i + 1 steps ahead
 };

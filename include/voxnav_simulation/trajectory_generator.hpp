@@ -37,7 +37,7 @@ struct TrajectoryGeneratorConfig {
 struct PathRequest {
   std::vector<HeadedPoint> waypoints;
   std::optional<KinematicState> start;  ///< state the trajectory continues; nothing: at rest in the first waypoint
-  DynamicsLimits limits;
+  TrackerLimits limits;
   double max_deviation_m = 0;  ///< from the straight lines between waypoints; 0: the configured default
   bool use_heading = true;     ///< false: the start heading is kept
   bool stop_at_waypoints = false;

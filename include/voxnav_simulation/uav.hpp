@@ -58,7 +58,7 @@ class Uav {
   using GroundHeight = std::function<std::optional<double>(double x, double y)>;
 
   /// @throws voxnav::base::ConfigError
-  Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const DynamicsLimits& limits,
+  Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const TrackerLimits& limits,
       std::uint64_t seed, GroundHeight ground = {});
 
   void step();
@@ -72,12 +72,12 @@ class Uav {
   CommandResult hover();
   CommandResult go_to(const HeadedPoint& goal_O);
   CommandResult set_trajectory(const TrackedTrajectory& trajectory_O);
-  void set_limits(const DynamicsLimits& limits) { tracker_.set_limits(limits); }
+  void set_limits(const TrackerLimits& limits) { tracker_.set_limits(limits); }
 
   FlightPhase phase() const { return phase_; }
   const BodyState& truth() const { return truth_; }        ///< in W
   const BodyState& estimate() const { return estimate_; }  ///< in O
-  const ImuSample& imu() const { return imu_; }            ///< of the last step
+  const ImuReading& imu() const { return imu_; }           ///< of the last step
   Vec3 drift() const { return drift_.position(); }
   /// Height of the body above the ground; nothing outside of the world.
   std::optional<double> height_m() const;
@@ -107,7 +107,7 @@ class Uav {
   double standing_heading_rad_ = 0;  ///< true
   BodyState truth_;
   BodyState estimate_;
-  ImuSample imu_;
+  ImuReading imu_;
 };
 
 /// Orientation of a multirotor whose thrust gives this acceleration; the body's x axis points along the heading when

@@ -14,7 +14,7 @@ namespace {
 
 using namespace voxnav_simulation;  // NOLINT: this file binds that namespace
 
-DynamicsLimits limits_named(const std::string& word) {
+TrackerLimits limits_named(const std::string& word) {
   return limits_of(UavConstraintsConfig{}, from_word<ConstraintSet>(word, "constraints"));
 }
 
@@ -51,7 +51,7 @@ py::array_t<double> step(Uav& uav, double duration_s) {
     const py::gil_scoped_release release;
     for (auto i = std::llround(duration_s / kStep_s); i > 0; --i) {
       uav.step();
-      const ImuSample& s = uav.imu();
+      const ImuReading& s = uav.imu();
       rows.insert(rows.end(), {base::to_seconds(s.stamp_ns), s.gyro.x(), s.gyro.y(), s.gyro.z(), s.accel.x(),
                                s.accel.y(), s.accel.z()});
     }

@@ -16,7 +16,7 @@
 namespace voxnav_ros {
 namespace {
 
-using voxnav_simulation::CloudLayout;
+using voxnav_simulation::DriverLayout;
 
 constexpr double kLogPeriod_s = 5.0;
 // Seconds of truth at 250 Hz that may wait while a turn is computed.
@@ -62,7 +62,7 @@ class LidarSimulatorNodelet : public NodeletBase {
     scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
     model_ = std::make_unique<voxnav_simulation::LidarModel>(lidar, seed);
     scheduler_ =
-        std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), config_.layout == CloudLayout::kGazebo);
+        std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), config_.layout == DriverLayout::kGazebo);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     cloud_ = nh.advertise<sensor_msgs::PointCloud2>("cloud_out", 5);
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
@@ -104,7 +104,7 @@ class LidarSimulatorNodelet : public NodeletBase {
     while (const auto sweep = scheduler_->next()) measure(*sweep);
   }
 
-  void measure(const voxnav_simulation::Sweep& sweep) {
+  void measure(const voxnav_simulation::SimulatedSweep& sweep) {
     std_msgs::Header header;
     header.stamp = to_ros(sweep.start_ns);
     header.frame_id = config_.sensor_frame_id;

@@ -105,7 +105,7 @@ mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& heade
   return out;
 }
 
-mrs_msgs::DynamicsConstraints constraints(const DynamicsLimits& l) {
+mrs_msgs::DynamicsConstraints constraints(const TrackerLimits& l) {
   mrs_msgs::DynamicsConstraints out;
   out.horizontal_speed = l.horizontal.speed;
   out.horizontal_acceleration = l.horizontal.acceleration;
@@ -155,7 +155,7 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   return out;
 }
 
-mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, ConstraintSet set,
+mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const TrackerLimits& limits, ConstraintSet set,
                                                               const ros::Time& stamp) {
   mrs_msgs::ConstraintManagerDiagnostics out;
   out.stamp = stamp;
@@ -214,7 +214,7 @@ mrs_msgs::UavManagerDiagnostics manager_diagnostics(const Uav& uav, const ros::T
   return out;
 }
 
-sensor_msgs::Imu imu(const voxnav_simulation::ImuSample& sample, const std::string& frame_id) {
+sensor_msgs::Imu imu(const voxnav_simulation::ImuReading& sample, const std::string& frame_id) {
   sensor_msgs::Imu out;
   out.header.stamp = to_ros(sample.stamp_ns);
   out.header.frame_id = frame_id;

@@ -22,7 +22,7 @@ namespace voxnav_ros::uav_messages {
 
 using voxnav_simulation::BodyState;
 using voxnav_simulation::ConstraintSet;
-using voxnav_simulation::DynamicsLimits;
+using voxnav_simulation::TrackerLimits;
 using voxnav_simulation::Uav;
 using voxnav_simulation::UavSimulatorConfig;
 
@@ -37,18 +37,18 @@ mrs_msgs::UavState uav_state(const BodyState& state, const std_msgs::Header& hea
                              const std::string& estimator);
 /// With the prediction of 40 samples; the same tracker state computed anew stays valid until the next command.
 mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header);
-mrs_msgs::DynamicsConstraints constraints(const DynamicsLimits& limits);
+mrs_msgs::DynamicsConstraints constraints(const TrackerLimits& limits);
 
 mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const std_msgs::Header& header,
                                                         const std::string& uav_name);
-mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const DynamicsLimits& limits, ConstraintSet set,
+mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const TrackerLimits& limits, ConstraintSet set,
                                                               const ros::Time& stamp);
 mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std_msgs::Header& header,
                                                        const std::string& child, const UavSimulatorConfig& config);
 mrs_msgs::UavManagerDiagnostics manager_diagnostics(const Uav& uav, const ros::Time& stamp, double flight_time_s,
                                                     const UavSimulatorConfig& config);
 
-sensor_msgs::Imu imu(const voxnav_simulation::ImuSample& sample, const std::string& frame_id);
+sensor_msgs::Imu imu(const voxnav_simulation::ImuReading& sample, const std::string& frame_id);
 /// Latitude and longitude of a place in the world, on the plane that touches the earth in the origin.
 sensor_msgs::NavSatFix gnss(const voxnav_simulation::Vec3& position, const std_msgs::Header& header,
                             const UavSimulatorConfig& config);

@@ -87,7 +87,7 @@ void UavOutputs::collect_state(const Uav& uav) {
   queue_.push_back([this, tree] { tf_.sendTransform(tree); });
 }
 
-void UavOutputs::add_imu(const voxnav_simulation::ImuSample& sample) {
+void UavOutputs::add_imu(const voxnav_simulation::ImuReading& sample) {
   later(imu_, uav_messages::imu(sample, frames_.body()));
 }
 

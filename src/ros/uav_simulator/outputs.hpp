@@ -23,7 +23,7 @@ class UavOutputs {
 
   /// Call with the vehicle locked: takes what is due at this time.
   void collect(voxnav_simulation::Uav* uav, voxnav_simulation::ConstraintSet constraints);
-  void add_imu(const voxnav_simulation::ImuSample& sample);
+  void add_imu(const voxnav_simulation::ImuReading& sample);
   /// Call unlocked: sends /clock first, then what was collected.
   void publish();
   void publish_clock(voxnav::base::StampNs stamp_ns);

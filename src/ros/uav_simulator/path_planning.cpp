@@ -10,17 +10,17 @@
 namespace voxnav_ros {
 namespace {
 
-using voxnav_simulation::AxisLimits;
-using voxnav_simulation::DynamicsLimits;
 using voxnav_simulation::HeadedPoint;
 using voxnav_simulation::KinematicState;
 using voxnav_simulation::PathRequest;
+using voxnav_simulation::TrackerAxisLimits;
+using voxnav_simulation::TrackerLimits;
 
 constexpr double kFuture_s = 0.2;  ///< paths stamped farther ahead continue the prediction
 
 /// Overrides may only narrow the constraints in force: the tracker keeps those anyway. Values that are not positive
 /// are ignored.
-void narrow(AxisLimits* limits, double speed, double acceleration, double jerk) {
+void narrow(TrackerAxisLimits* limits, double speed, double acceleration, double jerk) {
   const auto lower = [](double* value, double wanted) {
     if (wanted > 0) *value = std::min(*value, wanted);
   };
@@ -29,11 +29,11 @@ void narrow(AxisLimits* limits, double speed, double acceleration, double jerk) 
   lower(&limits->jerk, jerk);
 }
 
-void apply_overrides(const mrs_msgs::Path& path, DynamicsLimits* limits) {
+void apply_overrides(const mrs_msgs::Path& path, TrackerLimits* limits) {
   if (!path.override_constraints) return;
   narrow(&limits->horizontal, path.override_max_velocity_horizontal, path.override_max_acceleration_horizontal,
          path.override_max_jerk_horizontal);
-  for (AxisLimits* vertical : {&limits->ascending, &limits->descending}) {
+  for (TrackerAxisLimits* vertical : {&limits->ascending, &limits->descending}) {
     narrow(vertical, path.override_max_velocity_vertical, path.override_max_acceleration_vertical,
            path.override_max_jerk_vertical);
   }

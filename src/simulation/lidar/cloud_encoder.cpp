@@ -7,6 +7,9 @@
 namespace voxnav_simulation {
 namespace {
 
+using voxnav::cloud::CloudField;
+using voxnav::cloud::FieldType;
+
 struct Layout {
   std::uint32_t point_step;
   bool is_dense;
@@ -18,7 +21,7 @@ struct Layout {
 constexpr Layout kOusterLayout{48, true, true, 16, 20, 24, 26, 28, 32};
 constexpr Layout kGazeboLayout{29, false, false, 12, 21, 25, 16, 27, 17};
 
-const Layout& layout_of(CloudLayout layout) { return layout == CloudLayout::kOuster ? kOusterLayout : kGazeboLayout; }
+const Layout& layout_of(DriverLayout layout) { return layout == DriverLayout::kOuster ? kOusterLayout : kGazeboLayout; }
 
 std::vector<CloudField> ouster_fields() {
   const Layout& l = kOusterLayout;
@@ -61,14 +64,14 @@ void put_point(const LidarScan& scan, const Layout& layout, int row, int column,
 
 }  // namespace
 
-EncodedCloud encode(const LidarScan& scan, CloudLayout layout) {
+EncodedCloud encode(const LidarScan& scan, DriverLayout layout) {
   const Layout& l = layout_of(layout);
   EncodedCloud out;
   out.height = static_cast<std::uint32_t>(scan.rows);
   out.width = static_cast<std::uint32_t>(scan.columns);
   out.point_step = l.point_step;
   out.is_dense = l.is_dense;
-  out.fields = layout == CloudLayout::kOuster ? ouster_fields() : gazebo_fields();
+  out.fields = layout == DriverLayout::kOuster ? ouster_fields() : gazebo_fields();
   out.data.assign(static_cast<std::size_t>(out.height) * out.width * out.point_step, 0);
   std::uint8_t* point = out.data.data();
   for (int row = 0; row < scan.rows; ++row) {

@@ -41,7 +41,7 @@ void SweepScheduler::add_truth(const voxnav::geometry::StampedPose& T_W_B) {
   if (!next_index_) next_index_ = ceil_div(T_W_B.stamp_ns, model_->sweep_ns());
 }
 
-std::optional<Sweep> SweepScheduler::next() {
+std::optional<SimulatedSweep> SweepScheduler::next() {
   if (!next_index_) return std::nullopt;
   const std::int64_t first_known = ceil_div(history_.oldest_ns().value(), model_->sweep_ns());
   next_index_ = std::max(*next_index_, first_known);
@@ -49,7 +49,7 @@ std::optional<Sweep> SweepScheduler::next() {
     return is_instantaneous_ ? StampNs{0} : StampNs{model_->column_time_ns(column)};
   };
   const int columns = model_->config().columns;
-  Sweep sweep;
+  SimulatedSweep sweep;
   sweep.start_ns = *next_index_ * model_->sweep_ns();
   sweep.index = static_cast<std::uint64_t>(*next_index_);
   if (sweep.start_ns + time_of(columns - 1) > *history_.newest_ns()) return std::nullopt;

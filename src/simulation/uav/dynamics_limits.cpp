@@ -7,31 +7,31 @@
 namespace voxnav_simulation {
 namespace {
 
-AxisLimits axis_of(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
+TrackerAxisLimits axis_of(const std::array<double, 3>& values) { return {values[0], values[1], values[2]}; }
 
-AxisLimits scaled_axis(const AxisLimits& limits, double ratio) {
+TrackerAxisLimits scaled_axis(const TrackerAxisLimits& limits, double ratio) {
   return {limits.speed * ratio, limits.acceleration * ratio, limits.jerk * ratio};
 }
 
-DynamicsLimits set_of(const std::array<double, 3>& horizontal, const std::array<double, 3>& vertical,
-                      const std::array<double, 3>& heading) {
+TrackerLimits set_of(const std::array<double, 3>& horizontal, const std::array<double, 3>& vertical,
+                     const std::array<double, 3>& heading) {
   return {axis_of(horizontal), axis_of(vertical), axis_of(vertical), axis_of(heading)};
 }
 
 }  // namespace
 
-double DynamicsLimits::vertical_acceleration() const {
+double TrackerLimits::vertical_acceleration() const {
   return std::min(ascending.acceleration, descending.acceleration);
 }
 
-double DynamicsLimits::vertical_jerk() const { return std::min(ascending.jerk, descending.jerk); }
+double TrackerLimits::vertical_jerk() const { return std::min(ascending.jerk, descending.jerk); }
 
-DynamicsLimits DynamicsLimits::scaled(double ratio) const {
+TrackerLimits TrackerLimits::scaled(double ratio) const {
   return {scaled_axis(horizontal, ratio), scaled_axis(ascending, ratio), scaled_axis(descending, ratio),
           scaled_axis(heading, ratio)};
 }
 
-DynamicsLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set) {
+TrackerLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set) {
   switch (set) {
     case ConstraintSet::kSlow:
       return set_of(config.slow_horizontal, config.slow_vertical, config.slow_heading);

@@ -60,7 +60,7 @@ std::vector<double> wanted(const PathRequest& request, const std::vector<HeadedP
 }  // namespace
 
 std::vector<double> heading_profile(const PathRequest& request, const std::vector<HeadedPoint>& waypoints,
-                                    const AxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,
+                                    const TrackerAxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,
                                     std::vector<Vec3>* positions) {
   MotionState<1> state;
   state.position[0] = request.start ? request.start->heading_rad : waypoints.front().heading_rad;

@@ -11,7 +11,7 @@ namespace voxnav_simulation {
 /// limited tracker. Positions are extended by their last one until the heading has arrived.
 /// @param waypoint_steps  step at which each of `waypoints` is passed
 std::vector<double> heading_profile(const PathRequest& request, const std::vector<HeadedPoint>& waypoints,
-                                    const AxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,
+                                    const TrackerAxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,
                                     std::vector<Vec3>* positions);
 
 }  // namespace voxnav_simulation

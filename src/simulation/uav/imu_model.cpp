@@ -17,7 +17,7 @@ Vec3 ImuModel::normal(double sigma) {
   return sigma * Vec3(x, y, random_.normal());
 }
 
-void ImuModel::corrupt(double dt_s, ImuSample* sample) {
+void ImuModel::corrupt(double dt_s, ImuReading* sample) {
   gyro_bias_ += normal(config_.gyro_bias_walk * std::sqrt(dt_s));
   accel_bias_ += normal(config_.accel_bias_walk * std::sqrt(dt_s));
   sample->gyro += gyro_bias_ + normal(config_.gyro_noise / std::sqrt(dt_s));

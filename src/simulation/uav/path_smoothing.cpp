@@ -6,7 +6,7 @@
 
 namespace voxnav_simulation {
 
-SmoothingWindows::SmoothingWindows(const DynamicsLimits& limits, double max_deviation_m) {
+SmoothingWindows::SmoothingWindows(const TrackerLimits& limits, double max_deviation_m) {
   const double a = limits.horizontal.acceleration;
   const double a_over_j = std::max(limits.horizontal.acceleration / limits.horizontal.jerk,
                                    limits.vertical_acceleration() / limits.vertical_jerk());
@@ -55,7 +55,7 @@ void lower_ratios(const std::vector<Vec3>& values, double horizontal, double ver
 
 }  // namespace
 
-std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const DynamicsLimits& limits) {
+std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const TrackerLimits& limits) {
   std::vector<double> ratios(positions.size(), 1.0);
   const std::vector<Vec3> accelerations = differences(differences(positions));
   lower_ratios(accelerations, limits.horizontal.acceleration, limits.vertical_acceleration(), &ratios);

@@ -11,7 +11,7 @@ constexpr double kFineStep_s = 0.01;
 
 /// Half widths, in fine steps, of the two windows positions are averaged over.
 struct SmoothingWindows {
-  SmoothingWindows(const DynamicsLimits& limits, double max_deviation_m);
+  SmoothingWindows(const TrackerLimits& limits, double max_deviation_m);
   int velocity_steps;      ///< bounds acceleration at corners
   int acceleration_steps;  ///< bounds jerk
   int steps() const { return velocity_steps + acceleration_steps; }
@@ -25,6 +25,6 @@ struct SmoothingWindows {
 std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half);
 
 /// For each sample, the share of the present speed that would respect acceleration and jerk limits (1 = fine).
-std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const DynamicsLimits& limits);
+std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const TrackerLimits& limits);
 
 }  // namespace voxnav_simulation

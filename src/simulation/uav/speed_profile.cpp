@@ -54,12 +54,12 @@ double Polyline::distance(const Vec3& p, std::size_t first, std::size_t last) co
   return best;
 }
 
-SpeedProfile::SpeedProfile(const Polyline& path, const DynamicsLimits& limits, const std::vector<double>& reserves_m)
+SpeedProfile::SpeedProfile(const Polyline& path, const TrackerLimits& limits, const std::vector<double>& reserves_m)
     : path_(&path) {
   const double spacing = std::max(kNodeSpacing_m, path.length_m() / kMaxNodes);
   for (std::size_t s = 0; s < path.num_segments(); ++s) {
     const Vec3 direction = path.direction(s);
-    const AxisLimits& vertical = direction.z() > 0 ? limits.ascending : limits.descending;
+    const TrackerAxisLimits& vertical = direction.z() > 0 ? limits.ascending : limits.descending;
     const double speed = along(direction, limits.horizontal.speed, vertical.speed);
     const double acceleration = along(direction, limits.horizontal.acceleration, limits.vertical_acceleration());
     const double length = path.arc(s + 1) - path.arc(s);

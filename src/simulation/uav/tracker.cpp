@@ -36,10 +36,10 @@ FullReference reference_of(const Spline::Value& value) {
   return out;
 }
 
-MotionLimits motion_limits(const AxisLimits& limits) { return {limits.speed, limits.acceleration, limits.jerk}; }
+MotionLimits motion_limits(const TrackerAxisLimits& limits) { return {limits.speed, limits.acceleration, limits.jerk}; }
 
 /// Upwards and downwards may differ in speed: the wanted direction decides, acceleration and jerk hold for both.
-MotionLimits vertical_limits(const DynamicsLimits& limits, const MotionReference<1>& reference, double z) {
+MotionLimits vertical_limits(const TrackerLimits& limits, const MotionReference<1>& reference, double z) {
   const bool is_up = reference.has_position ? reference.position[0] > z : false;
   return {is_up ? limits.ascending.speed : limits.descending.speed, limits.vertical_acceleration(),
           limits.vertical_jerk()};
@@ -53,7 +53,7 @@ MotionState<1> axis_state(double p, double v, double a) {
   return out;
 }
 
-KinematicState advance(const KinematicState& s, const FullReference& reference, const DynamicsLimits& limits) {
+KinematicState advance(const KinematicState& s, const FullReference& reference, const TrackerLimits& limits) {
   MotionState<2> h;
   h.position = s.position.head<2>();
   h.velocity = s.velocity.head<2>();
@@ -84,9 +84,9 @@ bool is_at_rest(const KinematicState& s) {
 
 }  // namespace
 
-Tracker::Tracker(const DynamicsLimits& limits) : limits_(limits) {}
+Tracker::Tracker(const TrackerLimits& limits) : limits_(limits) {}
 
-void Tracker::set_limits(const DynamicsLimits& limits) {
+void Tracker::set_limits(const TrackerLimits& limits) {
   limits_ = limits;
   ahead_.clear();
 }
@@ -123,8 +123,8 @@ void Tracker::follow(const TrackedTrajectory& trajectory) {
   now_.goal = trajectory.points.back();
   now_.goal.heading_rad = wrap_angle(points.back()[3]);
   now_.time_s = trajectory.skip_s;
-  trajectory_ = std::make_shared<Trajectory>(Trajectory{
-      Spline(std::move(points), trajectory.dt_s), trajectory.use_heading, trajectory.is_loop, trajectory.input_id});
+  trajectory_ = std::make_shared<Followed>(Followed{Spline(std::move(points), trajectory.dt_s), trajectory.use_heading,
+                                                    trajectory.is_loop, trajectory.input_id});
   ahead_.clear();
 }
 

@@ -50,7 +50,7 @@ class Generator {
 
   const TrajectoryGeneratorConfig& config_;
   const PathRequest& request_;
-  DynamicsLimits limits_;
+  TrackerLimits limits_;
   double deviation_m_;
   SmoothingWindows windows_;
   std::vector<HeadedPoint> waypoints_;

@@ -33,7 +33,7 @@ std::string Generator::problem() const {
   }
   if (request_.start && !is_finite(*request_.start)) return "the start state is not finite";
   if (!(deviation_m_ >= 0.01)) return "the allowed deviation from the path is below 0.01 m or not a number";
-  const auto positive = [](const AxisLimits& l) { return l.speed > 0 && l.acceleration > 0 && l.jerk > 0; };
+  const auto positive = [](const TrackerAxisLimits& l) { return l.speed > 0 && l.acceleration > 0 && l.jerk > 0; };
   if (!positive(limits_.horizontal) || !positive(limits_.ascending) || !positive(limits_.descending) ||
       !positive(limits_.heading)) {
     return "the constraints are not positive";

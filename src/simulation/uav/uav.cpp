@@ -25,7 +25,7 @@ Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad) {
   return R;
 }
 
-Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const DynamicsLimits& limits,
+Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const TrackerLimits& limits,
          std::uint64_t seed, GroundHeight ground)
     : config_(voxnav::base::checked(config)),
       ground_(ground ? std::move(ground) : [](double, double) { return std::optional<double>(0.0); }),

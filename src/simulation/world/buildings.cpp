@@ -38,7 +38,7 @@ int build_walls(Site* site) {
   Rng rng(site->seed, kWallStream);
   for (int i = 0; i < config.num_walls; ++i) {
     const double heading = rng.uniform(0.0, M_PI);
-    const auto place = site->placement.find(0.5 * config.wall_length_m, kBuildingGapM, &rng);
+    const auto place = site->ground_plan.find(0.5 * config.wall_length_m, kBuildingGapM, &rng);
     if (!place) return i;
     const Pose T_W_wall = voxnav::geometry::from_position_yaw(site->on_ground(*place), heading);
     append_block(site->mesh, T_W_wall, {config.wall_length_m, kWallThicknessM, config.wall_height_m});
@@ -51,7 +51,7 @@ int build_houses(Site* site) {
   for (int i = 0; i < site->config.num_houses; ++i) {
     const Vec3 size(rng.uniform(7.0, 11.0), rng.uniform(5.0, 8.0), rng.uniform(2.8, 4.5));
     const double heading = rng.uniform(0.0, M_PI);
-    const auto place = site->placement.find(0.5 * size.head<2>().norm() + 0.3, kBuildingGapM, &rng);
+    const auto place = site->ground_plan.find(0.5 * size.head<2>().norm() + 0.3, kBuildingGapM, &rng);
     if (!place) return i;
     const Pose T_W_house = voxnav::geometry::from_position_yaw(site->on_ground(*place), heading);
     append_block(site->mesh, T_W_house, size);

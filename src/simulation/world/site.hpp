@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "placement.hpp"
+#include "ground_plan.hpp"
 #include "voxnav_simulation/terrain.hpp"
 #include "voxnav_simulation/world.hpp"
 
@@ -14,7 +14,7 @@ struct Site {
   const WorldConfig& config;
   std::uint64_t seed;
   const Terrain& terrain;
-  Placement placement;
+  GroundPlan ground_plan;
   Mesh* mesh;
   std::vector<Stem>* stems;
 

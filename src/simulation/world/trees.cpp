@@ -98,7 +98,7 @@ int plant_trees(Site* site) {
   const int wanted = static_cast<int>(std::lround(config.trees_per_ha * site->hectares()));
   Rng rng(site->seed, kTreeStream);
   for (int i = 0; i < wanted; ++i) {
-    const auto place = site->placement.find(0.0, config.tree_spacing_m, &rng);
+    const auto place = site->ground_plan.find(0.0, config.tree_spacing_m, &rng);
     if (!place) return i;
     // A stream per tree: the shape of one does not depend on how many leaves the one before has.
     Rng shape(rng.next(), kTreeStream);

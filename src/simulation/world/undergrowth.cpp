@@ -22,7 +22,7 @@ int plant_bushes(Site* site) {
   for (int i = 0; i < wanted; ++i) {
     Rng shape(rng.next(), kBushStream);
     const double radius = shape.uniform(0.4, 1.0) * config.bush_radius_max_m;
-    const auto place = site->placement.find(radius, kBushGapM, &rng);
+    const auto place = site->ground_plan.find(radius, kBushGapM, &rng);
     if (!place) return i;
     const Vec3 ground = site->on_ground(*place);
     const Vec3 radii(radius, radius, radius * shape.uniform(0.8, 1.4));
@@ -40,7 +40,7 @@ int place_poles(Site* site) {
   Rng rng(site->seed, kPoleStream);
   for (int i = 0; i < config.num_poles; ++i) {
     const double radius = rng.uniform(config.pole_radius_min_m, config.pole_radius_max_m);
-    const auto place = site->placement.find(radius, kPoleGapM, &rng);
+    const auto place = site->ground_plan.find(radius, kPoleGapM, &rng);
     if (!place) return i;
     const Vec3 ground = site->on_ground(*place);
     const Rod pole{ground, ground + config.pole_height_m * Vec3::UnitZ(), radius, radius};
@@ -56,7 +56,7 @@ int place_rocks(Site* site) {
   Rng rng(site->seed, kRockStream);
   for (int i = 0; i < wanted; ++i) {
     const double radius = config.rock_radius_max_m * (0.25 + 0.75 * std::pow(rng.uniform(), 2.0));
-    const auto place = site->placement.find(radius, kRockGapM, &rng);
+    const auto place = site->ground_plan.find(radius, kRockGapM, &rng);
     if (!place) return i;
     std::array<double, 42> bulge;
     for (double& b : bulge) b = rng.uniform(0.8, 1.1);

@@ -8,10 +8,10 @@ namespace {
 
 Eigen::Vector2d as_vector(const std::array<double, 2>& p) { return {p[0], p[1]}; }
 
-void keep_clear(const WorldConfig& config, Placement* placement) {
-  placement->add(as_vector(config.start_m), config.clear_radius_m);
-  placement->add(as_vector(config.goal_m), config.clear_radius_m);
-  if (config.has_vehicle) placement->add(as_vector(config.vehicle_position_m), kVehicleRadiusM);
+void keep_clear(const WorldConfig& config, GroundPlan* ground_plan) {
+  ground_plan->add(as_vector(config.start_m), config.clear_radius_m);
+  ground_plan->add(as_vector(config.goal_m), config.clear_radius_m);
+  if (config.has_vehicle) ground_plan->add(as_vector(config.vehicle_position_m), kVehicleRadiusM);
 }
 
 }  // namespace
@@ -19,8 +19,8 @@ void keep_clear(const WorldConfig& config, Placement* placement) {
 World::World(const WorldConfig& config, std::uint64_t seed)
     : config_(voxnav::base::checked(config)), seed_(seed), terrain_(config_, seed) {
   terrain_.append_to(&mesh_);
-  Site site{config_, seed, terrain_, Placement(config_), &mesh_, &stems_};
-  keep_clear(config_, &site.placement);
+  Site site{config_, seed, terrain_, GroundPlan(config_), &mesh_, &stems_};
+  keep_clear(config_, &site.ground_plan);
   // Large things first, while there is room.
   counts_.num_houses = build_houses(&site);
   counts_.num_walls = build_walls(&site);

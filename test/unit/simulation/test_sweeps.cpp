@@ -28,8 +28,8 @@ StampedPose truth_at(StampNs stamp_ns) {
   return {stamp_ns, voxnav::geometry::from_position_yaw({1e-9 * static_cast<double>(stamp_ns), 0, 0}, 0)};
 }
 
-std::vector<Sweep> feed(SweepScheduler* scheduler, StampNs from, StampNs to) {
-  std::vector<Sweep> out;
+std::vector<SimulatedSweep> feed(SweepScheduler* scheduler, StampNs from, StampNs to) {
+  std::vector<SimulatedSweep> out;
   for (StampNs t = from; t <= to; t += 5 * kMs) {
     scheduler->add_truth(truth_at(t));
     while (auto sweep = scheduler->next()) out.push_back(*sweep);
@@ -131,7 +131,7 @@ T read(const EncodedCloud& cloud, std::size_t pixel, std::uint32_t offset) {
   return value;
 }
 
-void expect_fields(const EncodedCloud& cloud, const std::vector<CloudField>& expected) {
+void expect_fields(const EncodedCloud& cloud, const std::vector<voxnav::cloud::CloudField>& expected) {
   ASSERT_EQ(cloud.fields.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(cloud.fields[i].name, expected[i].name);
@@ -141,13 +141,13 @@ void expect_fields(const EncodedCloud& cloud, const std::vector<CloudField>& exp
 }
 
 TEST(CloudEncoder, GazeboLayoutIsPackedIn29Bytes) {
-  const EncodedCloud cloud = encode(tiny_scan(), CloudLayout::kGazebo);
+  const EncodedCloud cloud = encode(tiny_scan(), DriverLayout::kGazebo);
   EXPECT_EQ(cloud.point_step, 29u);
   EXPECT_EQ(cloud.width, 2u);
   EXPECT_EQ(cloud.height, 2u);
   EXPECT_FALSE(cloud.is_dense);
   ASSERT_EQ(cloud.data.size(), 4u * 29u);
-  using F = FieldType;
+  using F = voxnav::cloud::FieldType;
   expect_fields(cloud, {{"x", 0, F::kFloat32},
                         {"y", 4, F::kFloat32},
                         {"z", 8, F::kFloat32},
@@ -169,10 +169,10 @@ TEST(CloudEncoder, GazeboLayoutIsPackedIn29Bytes) {
 }
 
 TEST(CloudEncoder, OusterLayoutIsAlignedIn48Bytes) {
-  const EncodedCloud cloud = encode(tiny_scan(), CloudLayout::kOuster);
+  const EncodedCloud cloud = encode(tiny_scan(), DriverLayout::kOuster);
   EXPECT_EQ(cloud.point_step, 48u);
   ASSERT_EQ(cloud.data.size(), 4u * 48u);
-  using F = FieldType;
+  using F = voxnav::cloud::FieldType;
   expect_fields(cloud, {{"x", 0, F::kFloat32},
                         {"y", 4, F::kFloat32},
                         {"z", 8, F::kFloat32},

@@ -9,7 +9,7 @@ namespace {
 using namespace voxnav_simulation;  // NOLINT: test
 using namespace uav_test;           // NOLINT: test
 
-DynamicsLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
+TrackerLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
 
 std::vector<Vec3> fly(Tracker* tracker, double duration_s) {
   std::vector<Vec3> out;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace voxnav_simulation;  // NOLINT: test
 
-DynamicsLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
+TrackerLimits limits(ConstraintSet set) { return limits_of(UavConstraintsConfig{}, set); }
 
 PathRequest request_through(std::vector<HeadedPoint> waypoints) {
   PathRequest request;

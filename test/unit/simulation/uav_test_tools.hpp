@@ -10,8 +10,8 @@
 
 namespace uav_test {
 
-using voxnav_simulation::DynamicsLimits;
 using voxnav_simulation::HeadedPoint;
+using voxnav_simulation::TrackerLimits;
 using voxnav_simulation::Vec3;
 
 inline std::vector<Vec3> differences(const std::vector<Vec3>& in, double dt_s) {
@@ -36,7 +36,7 @@ inline double share(const std::vector<Vec3>& values, double horizontal, double u
   return worst;
 }
 
-inline Usage usage(const std::vector<Vec3>& positions, double dt_s, const DynamicsLimits& l) {
+inline Usage usage(const std::vector<Vec3>& positions, double dt_s, const TrackerLimits& l) {
   const auto v = differences(positions, dt_s);
   const auto a = differences(v, dt_s);
   const auto j = differences(a, dt_s);

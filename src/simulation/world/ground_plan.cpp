@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "placement.hpp"
+#include "ground_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,19 +12,19 @@ constexpr int kMaxTries = 200;
 
 }  // namespace
 
-Placement::Placement(const WorldConfig& config)
+GroundPlan::GroundPlan(const WorldConfig& config)
     : min_(config.min_corner_m[0], config.min_corner_m[1]), size_(config.size_m[0], config.size_m[1]) {}
 
-Placement::Cell Placement::cell_of(const Eigen::Vector2d& p) const {
+GroundPlan::Cell GroundPlan::cell_of(const Eigen::Vector2d& p) const {
   return {static_cast<int>(std::floor(p.x() / kCellM)), static_cast<int>(std::floor(p.y() / kCellM))};
 }
 
-void Placement::add(const Eigen::Vector2d& center, double radius_m) {
+void GroundPlan::add(const Eigen::Vector2d& center, double radius_m) {
   cells_[cell_of(center)].push_back({center, radius_m});
   largest_radius_m_ = std::max(largest_radius_m_, radius_m);
 }
 
-bool Placement::is_free(const Eigen::Vector2d& center, double reach_m) const {
+bool GroundPlan::is_free(const Eigen::Vector2d& center, double reach_m) const {
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_m + largest_radius_m_);
   const Cell low = cell_of(center - reach), high = cell_of(center + reach);
   for (int x = low.first; x <= high.first; ++x) {
@@ -39,7 +39,7 @@ bool Placement::is_free(const Eigen::Vector2d& center, double reach_m) const {
   return true;
 }
 
-std::optional<Eigen::Vector2d> Placement::find(double radius_m, double gap_m, Rng* rng) {
+std::optional<Eigen::Vector2d> GroundPlan::find(double radius_m, double gap_m, Rng* rng) {
   for (int i = 0; i < kMaxTries; ++i) {
     const double x = rng->uniform(), y = rng->uniform();
     const Eigen::Vector2d center = min_ + Eigen::Vector2d(x, y).cwiseProduct(size_);

@@ -13,9 +13,9 @@
 namespace voxnav_simulation {
 
 /// Finds room on the ground for round footprints that keep away from each other.
-class Placement {
+class GroundPlan {
  public:
-  explicit Placement(const WorldConfig& config);
+  explicit GroundPlan(const WorldConfig& config);
 
   /// A random place inside the populated area that is at least `gap_m` away from everything placed before,
   /// measured between the rims of the footprints; remembers it. Gives up after a bounded number of tries.
