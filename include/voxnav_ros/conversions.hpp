@@ -13,7 +13,7 @@
 namespace voxnav_ros {
 
 inline voxnav::base::StampNs to_ns(const ros::Time& time) { return static_cast<voxnav::base::StampNs>(time.toNSec()); }
-/// Stamps before 1970 cannot be told to ROS and become zero.
+/// The stamp as ROS has it. ROS cannot hold stamps before 1970, which become zero.
 ros::Time to_ros(voxnav::base::StampNs stamp_ns);
 
 geometry_msgs::Point to_msg(const voxnav::geometry::Vec3& point);
@@ -22,7 +22,8 @@ voxnav::geometry::Vec3 from_msg(const geometry_msgs::Point& point);
 geometry_msgs::Pose to_msg(const voxnav::geometry::Pose& T_A_B);
 geometry_msgs::Transform to_transform_msg(const voxnav::geometry::Pose& T_A_B);
 
-/// Nothing when the message holds values that are not finite or a quaternion of length far from one.
+/// The pose of a message, or nothing when it holds values that are not finite or a quaternion whose length is far from
+/// one. A quaternion whose length is nearly one is normalised.
 std::optional<voxnav::geometry::Pose> from_msg(const geometry_msgs::Pose& pose);
 std::optional<voxnav::geometry::Pose> from_msg(const geometry_msgs::Transform& transform);
 

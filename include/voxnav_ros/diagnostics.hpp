@@ -19,10 +19,10 @@ class Diagnostics {
  public:
   Diagnostics(const std::string& node, ros::NodeHandle& private_nh);
 
-  /// Publishes every second from now on.
+  /// Begins to publish, once a second of wall time.
   void start() { timer_.start(); }
 
-  /// Times the caller's scope: `const auto timer = diagnostics.time("insert");`
+  /// Measures the wall and CPU time of the caller's scope: `const auto timer = diagnostics.time("insert");`
   class Scope {
    public:
     Scope(Diagnostics* owner, std::string stage);
@@ -39,11 +39,11 @@ class Diagnostics {
   Scope time(const std::string& stage) { return Scope(this, stage); }
 
   void add_time(const std::string& stage, double wall_ms, double cpu_ms);
-  /// From the stamp of the data to now, both in ROS time.
+  /// Adds the time from the stamp of the data to now, both in ROS time.
   void add_latency(const std::string& stage, const ros::Time& data_stamp);
   void add_dropped(const std::string& stage, std::uint64_t count = 1);
   void set_counter(const std::string& name, double value);
-  /// OK clears the message.
+  /// Sets the level and what people are told with it. The level OK clears the message.
   void set_level(std::uint8_t level, const std::string& message);
 
  private:

@@ -19,7 +19,7 @@ struct GridUpdateHeader {
 
 voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
 
-/// Lengths and states are checked by containers::apply(), not here.
+/// The update of a message, unchecked: containers::apply() checks lengths and states.
 voxnav::containers::GridUpdate from_msg(const voxnav::GridUpdate& msg);
 
 }  // namespace voxnav_ros

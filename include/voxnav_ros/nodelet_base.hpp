@@ -14,18 +14,18 @@
 
 namespace voxnav_ros {
 
-/// What every nodelet of voxnav does the same way: strict parameters, diagnostics, time.
+/// Base of all nodelets, with what they do the same way: strict parameters, diagnostics, time.
 /// A nodelet with unusable parameters logs every problem and is not loaded.
 class NodeletBase : public nodelet::Nodelet {
  protected:
   /// @param node  class name, the prefix of log lines (as MRS nodes have it)
   explicit NodeletBase(std::string node) : node_(std::move(node)) {}
 
-  /// Load parameters, build the core object, advertise.
+  /// Loads the parameters, builds the core object and advertises.
   /// @throws voxnav::base::ConfigError
   virtual void initialize() = 0;
-  /// Subscribe and start timers. Comes from the process' own queue once loading has ended: nodelet 1.10.0 loses every
-  /// callback that falls due while a nodelet is loaded, and with it the timer for ever
+  /// Subscribes and starts timers. It is called from the process' own queue once loading has ended, because nodelet
+  /// 1.10.0 loses every callback that falls due while a nodelet is loaded, and with it the timer for ever
   /// (https://github.com/ros/nodelet_core/issues/106).
   virtual void start() {}
 
@@ -43,7 +43,7 @@ class NodeletBase : public nodelet::Nodelet {
   void onInit() final;
 
   std::string node_;
-  std::string name_;  ///< of the ROS node, without its namespace: who diagnostics and progress speak for
+  std::string name_;  ///< name of the ROS node without its namespace, under which it reports
   std::unique_ptr<ParamLoader> parameters_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<TimeSeam> time_;

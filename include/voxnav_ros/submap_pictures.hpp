@@ -15,13 +15,13 @@ namespace voxnav_ros {
 
 using Blocks = std::vector<voxnav::geometry::Index3>;
 
-/// A marker that is still to be filled.
+/// An empty marker of the given type, without turn or shift.
 visualization_msgs::Marker blank_marker(const char* ns, std::int32_t type, double scale_m);
 
 /// How voxels that hold a believed surface are shown as cubes.
 struct CubeStyle {
   int min_hits = 1;           ///< surfaces that fewer scans have hit are left out
-  bool is_by_submap = false;  ///< one colour per submap; else by height
+  bool is_by_submap = false;  ///< whether each submap has a colour of its own; else colours show height
   voxnav::submap::HeightScale heights;
 };
 
@@ -41,15 +41,16 @@ sensor_msgs::PointCloud2 distance_slice(const voxnav::submap::EvidenceMap& evide
                                         const voxnav::geometry::Aabb& bounds, double height_m, double max_distance_m,
                                         std::size_t max_points, const std_msgs::Header& header);
 
-/// Centres of occupied voxels; beyond max_points every n-th is left out, evenly.
+/// Centres of occupied voxels. When there are more than max_points, every n-th is taken, evenly over the map.
 sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& grid, std::size_t max_points,
                                         const std_msgs::Header& header);
 
-/// The largest changes first, at most `max_changes`.
+/// The message of at most `max_changes` changes, the largest first; it says how many were left out.
 voxnav::SceneChanges to_msg(std::vector<voxnav::submap::SceneChange> changes, std::size_t max_changes,
                             const std_msgs::Header& header);
 
-/// A green box around what appeared and a red one around what disappeared; the first marker deletes all others.
+/// A green box around everything that appeared and a red one around everything that disappeared. The first marker
+/// deletes those of the message before.
 visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes);
 
 }  // namespace voxnav_ros

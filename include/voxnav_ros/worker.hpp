@@ -9,11 +9,12 @@
 
 namespace voxnav_ros {
 
-/// One thread that runs tasks in the order they were pushed; at most `capacity` wait. Tasks must not throw.
+/// A thread that runs tasks in the order in which they were pushed. At most `capacity` tasks wait; tasks must not
+/// throw.
 class Worker {
  public:
   explicit Worker(std::size_t capacity) : capacity_(capacity), thread_([this] { run(); }) {}
-  /// Runs nothing more; waits for the task in hand.
+  /// Waits for the task that runs; those that wait are not run.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -30,7 +31,7 @@ class Worker {
   std::condition_variable wake_;
   std::deque<std::function<void()>> tasks_;
   bool is_stopping_ = false;
-  std::thread thread_;  // last: it uses all of the above
+  std::thread thread_;  // the last member, because it uses all of the above
 };
 
 }  // namespace voxnav_ros

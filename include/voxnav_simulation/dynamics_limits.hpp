@@ -21,7 +21,7 @@ struct TrackerLimits {
   TrackerAxisLimits descending;
   TrackerAxisLimits heading;
 
-  /// Acceleration and jerk that hold upwards and downwards.
+  /// The smaller of the two, which therefore holds upwards and downwards alike.
   double vertical_acceleration() const;
   double vertical_jerk() const;
   /// The same limits with every number multiplied by `ratio`.

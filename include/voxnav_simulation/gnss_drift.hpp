@@ -27,14 +27,14 @@ struct GnssDriftConfig {
 };
 
 /// Error of the estimated pose: a random walk kept inside a ball, made smooth by three first-order lags in a row, so
-/// that the estimate has a continuous velocity and acceleration. Starts at zero. What comes out stays inside the ball,
-/// because a lag only averages what went in.
+/// that the estimate has a continuous velocity and acceleration. The error starts at zero and never leaves the ball,
+/// because a lag only averages what went into it.
 class GnssDrift {
  public:
   GnssDrift(const GnssDriftConfig& config, std::uint64_t seed);
 
   void step(double dt_s);
-  /// Estimated minus true position, and its derivatives.
+  /// Estimated minus true position in metres, and its derivatives with respect to time.
   Vec3 position() const { return lags_[2].head<3>(); }
   Vec3 velocity() const { return velocity_.head<3>(); }
   Vec3 acceleration() const { return acceleration_.head<3>(); }
@@ -43,7 +43,7 @@ class GnssDrift {
  private:
   GnssDriftConfig config_;
   Rng random_;
-  Eigen::Vector4d walk_ = Eigen::Vector4d::Zero();  ///< x y z heading
+  Eigen::Vector4d walk_ = Eigen::Vector4d::Zero();  ///< metres x, y, z and radians of heading
   Eigen::Vector4d lags_[3];
   Eigen::Vector4d velocity_ = Eigen::Vector4d::Zero();
   Eigen::Vector4d acceleration_ = Eigen::Vector4d::Zero();

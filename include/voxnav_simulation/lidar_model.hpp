@@ -11,7 +11,7 @@
 namespace voxnav_simulation {
 
 /// Measures a scene. The same seed, scan index and poses give the same scan, with any number of threads.
-/// Not simulated: beam divergence (mixed returns at edges), rain and fog.
+/// Beam divergence (mixed returns at edges), rain and fog are not simulated.
 class LidarModel {
  public:
   /// @throws voxnav::base::ConfigError
@@ -24,7 +24,7 @@ class LidarModel {
   /// Direction of a column in the sensor frame.
   double azimuth_rad(int column) const;
 
-  /// One turn; `T_W_L` holds the pose of the sensor for each column, at the column's own time.
+  /// Measures one turn; `T_W_L` holds the pose of the sensor for each column, at the column's own time.
   /// @throws std::invalid_argument when there is not one pose per column
   LidarScan scan(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_index) const;
 

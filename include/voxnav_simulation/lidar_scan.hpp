@@ -7,7 +7,7 @@
 
 namespace voxnav_simulation {
 
-/// What a return came from: a SurfaceClass, or one of these.
+/// Labels of what a return came from, beside those of SurfaceClass.
 inline constexpr std::uint8_t kLabelOwnBody = 100;
 inline constexpr std::uint8_t kLabelGhost = 101;
 inline constexpr std::uint8_t kLabelNone = 255;  ///< no return

@@ -12,7 +12,7 @@ namespace voxnav_simulation {
 struct LidarSimulatorConfig {
   std::string world_yaml = "";
   int seed = 1;
-  CloudLayout layout = CloudLayout::kOuster;
+  DriverLayout layout = DriverLayout::kOuster;
   std::string sensor_frame_id = "uav1/os_sensor";
   std::string body_frame_id = "uav1/fcu";
   int max_marker_triangles = 60000;
@@ -25,7 +25,7 @@ struct LidarSimulatorConfig {
     using voxnav::base::one_of;
     v("world_yaml", &C::world_yaml, any(), "", "file of the world, as worlds/forest.yaml; must be given");
     v("seed", &C::seed, in(0, 2147483647), "", "seed of the world and of the sensor's errors");
-    v("layout", &C::layout, one_of<CloudLayout>(), "",
+    v("layout", &C::layout, one_of<DriverLayout>(), "",
       "ouster: 48 bytes per point with times; gazebo: 29 bytes, whole turn at one instant");
     v("sensor_frame_id", &C::sensor_frame_id, any(), "", "frame of the clouds");
     v("body_frame_id", &C::body_frame_id, any(), "", "parent of the sensor frame");

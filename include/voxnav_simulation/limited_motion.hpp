@@ -43,7 +43,7 @@ Vector clip_norm(const Vector& v, double limit) {
   return v * (limit / norm);
 }
 
-/// Near the speed limit only as much forward acceleration is left as lets speed settle at the limit.
+/// Near the speed limit only so much forward acceleration is left that the speed settles at the limit.
 template <class Vector>
 void keep_speed(const Vector& velocity, double limit, double gain, Vector* acceleration) {
   const double speed = velocity.norm();
@@ -86,7 +86,7 @@ MotionState<N> limited_step(const MotionState<N>& s, const MotionReference<N>& r
   const double position_gain = 0.4 * velocity_gain;
 
   Vector velocity = reference.velocity;
-  // What the reference does is followed as long as a vehicle could do it.
+  // The motion of the reference itself is fed forward as far as a vehicle could follow it.
   const bool is_feasible = reference.velocity.norm() <= 1.05 * limits.speed &&
                            reference.acceleration.norm() <= 1.05 * limits.acceleration &&
                            reference.jerk.norm() <= limits.jerk;
@@ -100,7 +100,7 @@ MotionState<N> limited_step(const MotionState<N>& s, const MotionReference<N>& r
       const Vector closing = reference.velocity - s.velocity;
       const double radial = direction.dot(closing);
       velocity += direction * approach.speed;
-      // How the wanted velocity changes by itself; keeps the braking curve without lag.
+      // The wanted velocity changes along the braking curve; feeding that change forward avoids a lag behind it.
       const Vector change =
           direction * (approach.slope * radial) + (closing - direction * radial) * (approach.speed / distance);
       if (velocity.norm() < limits.speed) acceleration += change;
@@ -116,7 +116,7 @@ MotionState<N> limited_step(const MotionState<N>& s, const MotionReference<N>& r
 
   MotionState<N> out;
   out.acceleration = s.acceleration + jerk * dt_s;
-  // Rounding and lowered limits apart, this changes nothing: the ball of accelerations is convex.
+  // The ball of allowed accelerations is convex, so that only rounding, or limits that were just lowered, are cut here.
   const double allowed = std::max(limits.acceleration, s.acceleration.norm());
   out.acceleration = detail::clip_norm<Vector>(out.acceleration, allowed);
   out.jerk = (out.acceleration - s.acceleration) / dt_s;

@@ -28,17 +28,17 @@ class LockStep {
   };
   explicit LockStep(const Rules& rules);
 
-  /// @return true when a node that was left behind is back
+  /// A node has dealt with everything up to this stamp. @return true when it had been left behind and is back
   bool report(const std::string& node, voxnav::base::StampNs stamp_ns);
   /// A node has been sent something that it will report with this stamp. May come after that report.
   void begin(const std::string& node, voxnav::base::StampNs stamp_ns);
-  /// Nodes that keep time from reaching `stamp_ns`; empty: go on.
+  /// The nodes that keep time from reaching `stamp_ns`; time may go on when there are none.
   std::vector<std::string> missing(voxnav::base::StampNs stamp_ns) const;
-  /// No longer waits for a node until its next report.
+  /// Time no longer waits for this node until it reports again.
   void leave_behind(const std::string& node);
-  /// Listed nodes that never reported.
+  /// The listed nodes that have never reported.
   std::vector<std::string> unseen() const;
-  /// The leader has not spoken yet.
+  /// Whether there is a leader that has not spoken yet.
   bool is_waiting_for_leader() const { return !leader_.empty() && !has_leader_reported_; }
 
  private:
@@ -50,7 +50,8 @@ class LockStep {
   voxnav::base::StampNs required(voxnav::base::StampNs stamp_ns) const;
 
   std::map<std::string, NodeState> nodes_;
-  /// Announced minus done, by node and stamp; a report of what was never announced counts -1 and is soon forgotten.
+  /// Work announced minus work done, by stamp and node. A report may overtake its announcement, so that -1 is a valid
+  /// count; one whose announcement never comes is soon forgotten.
   std::map<std::pair<voxnav::base::StampNs, std::string>, int> begun_;
   voxnav::base::StampNs lag_ns_;
   voxnav::base::StampNs period_ns_;

@@ -19,7 +19,7 @@ class PoseHistory {
 
   std::optional<voxnav::base::StampNs> oldest_ns() const;
   std::optional<voxnav::base::StampNs> newest_ns() const;
-  /// Interpolated pose; nothing outside of what is known (never extrapolated).
+  /// The interpolated pose at a stamp, or nothing outside of the known stamps: poses are never extrapolated.
   std::optional<voxnav::geometry::Pose> at(voxnav::base::StampNs stamp_ns) const;
 
  private:

@@ -21,10 +21,10 @@ class Rng {
   explicit Rng(std::uint64_t seed, std::uint64_t stream = 0) : state_(mix_bits(seed) ^ mix_bits(~stream)) {}
 
   std::uint64_t next() { return mix_bits(state_++); }
-  /// In [0, 1).
+  /// A number in [0, 1), evenly distributed.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// Standard normal (Box-Muller).
+  /// A standard normal number. Source: Box & Muller, "A note on the generation of random normal deviates", 1958.
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * M_PI * uniform());

@@ -43,12 +43,12 @@ class Scene {
   /// Distance to the nearest surface (without sign: also inside a trunk); `max_m` when nothing is closer.
   /// @throws std::invalid_argument when p is not finite or max_m is negative
   double clearance(const Vec3& p, double max_m) const;
-  /// The same with its class; nothing when no surface is closer than `max_m`.
+  /// The nearest surface with its class, or nothing when no surface is closer than `max_m`.
   std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
 
-  /// Puts the vehicle elsewhere. False when there is no vehicle, or no ground at that place.
+  /// Puts the vehicle elsewhere. @return false when there is no vehicle, or no ground at that place
   bool move_vehicle(double x, double y, double heading_rad);
-  /// Nothing when the world has no vehicle.
+  /// Where the vehicle stands, or nothing when the world has none.
   std::optional<Pose> vehicle_pose() const;
 
  private:
@@ -64,7 +64,7 @@ class Scene {
 };
 
 /// One scene per world file and seed and process, so that the LiDAR and the collision monitor of the same nodelet
-/// manager see the same moving vehicle. Lives as long as somebody holds it.
+/// manager see the same moving vehicle. The scene lives as long as somebody holds it.
 std::shared_ptr<Scene> shared_scene(const std::string& world_yaml_path, std::uint64_t seed);
 
 }  // namespace voxnav_simulation

@@ -19,7 +19,7 @@ class Polyline {
   double length_m() const { return arcs_.back(); }
   double arc(std::size_t vertex) const { return arcs_[vertex]; }
   Vec3 direction(std::size_t segment) const;
-  /// Cosine of half the interior angle at a vertex: 0 straight on, 1 back where we came from.
+  /// Cosine of half the interior angle at a vertex: 0 where the line goes straight on, 1 where it turns back.
   double turn(std::size_t vertex) const;
   Vec3 at(std::size_t segment, double arc_m) const;
   /// Distance from `p` to the segments [first, last].
@@ -30,8 +30,8 @@ class Polyline {
   std::vector<double> arcs_;
 };
 
-/// Speed along a polyline as a function of arc length: caps per node, then the fastest profile below them that respects
-/// tangential acceleration (forward-backward pass).
+/// Speed along a polyline as a function of arc length: every node has a highest speed, and the profile is the fastest
+/// one below them that respects the tangential acceleration (one pass forward, one back).
 class SpeedProfile {
  public:
   /// @param reserves_m  per vertex: nearer than this only part of the acceleration is used along the path, the rest is
@@ -49,15 +49,15 @@ class SpeedProfile {
     double arc_m;
   };
   /// Positions every `dt_s`; at vertices where the speed is zero the point waits for `dwell_s`.
-  /// Empty when more than `max_samples` would be needed.
+  /// The list is empty when more than `max_samples` would be needed.
   std::vector<Sample> sample(double dt_s, double dwell_s, std::size_t max_samples) const;
 
  private:
   struct Node {
     double arc_m;
-    std::size_t segment;  ///< the one that starts at or contains this node
+    std::size_t segment;  ///< the segment that starts at this node or contains it
     double cap;
-    double acceleration;  ///< along the path, up to the next node
+    double acceleration;  ///< along the path from this node to the next
     double speed;
     bool is_vertex;
   };

@@ -23,11 +23,11 @@ struct SweepCounts {
   std::uint64_t truth_gaps = 0;     ///< poses too far apart to know the motion between them
 };
 
-/// Turns a stream of true body poses into turns of the sensor. Driven by stamps alone, so that the result is the same
-/// at any speed of the clock. Turns start at whole multiples of the turn's duration. Not thread-safe.
+/// Makes turns of the sensor from a stream of true body poses. It goes by stamps alone, so that the result is the same
+/// at any speed of the clock. Turns start at whole multiples of the duration of one turn. Not thread-safe.
 class SweepScheduler {
  public:
-  /// @param is_instantaneous  all columns see the pose at the start of the turn (as in Gazebo)
+  /// @param is_instantaneous  whether all columns see the pose at the start of the turn, as in Gazebo
   SweepScheduler(const LidarModel* model, bool is_instantaneous);
 
   void add_truth(const voxnav::geometry::StampedPose& T_W_B);

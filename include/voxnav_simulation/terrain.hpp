@@ -15,7 +15,7 @@ class Terrain {
  public:
   Terrain(const WorldConfig& config, std::uint64_t seed);
 
-  /// Height of the mesh itself at (x, y); nothing outside of the grid.
+  /// Height of the mesh itself at (x, y), or nothing outside of the grid.
   std::optional<double> height(double x, double y) const;
   void append_to(Mesh* mesh) const;
 

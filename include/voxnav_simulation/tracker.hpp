@@ -12,7 +12,7 @@
 
 namespace voxnav_simulation {
 
-/// Time of one step of the simulated vehicle; predictions and stamps are multiples of it.
+/// Duration of one step of the simulated vehicle; predictions and stamps are multiples of it.
 constexpr double kStep_s = 0.005;
 constexpr std::int64_t kStep_ns = 5'000'000;
 
@@ -20,7 +20,7 @@ constexpr std::int64_t kStep_ns = 5'000'000;
 struct TrackedTrajectory {
   std::vector<HeadedPoint> points;
   double dt_s = 0.2;
-  double skip_s = 0;  ///< how much of it is over already
+  double skip_s = 0;  ///< time of the trajectory that is over already when it is given
   bool use_heading = true;
   bool is_loop = false;
   std::int64_t input_id = 0;
@@ -38,7 +38,7 @@ class Tracker {
   void set_limits(const TrackerLimits& limits);
   const TrackerLimits& limits() const { return limits_; }
 
-  /// Puts the state there at once (on the ground).
+  /// Takes this state at once, whatever it was before; for a vehicle on the ground.
   void reset(const KinematicState& state);
   void go_to(const HeadedPoint& goal);
   void brake();
@@ -53,7 +53,7 @@ class Tracker {
   std::size_t trajectory_size() const { return trajectory_ ? trajectory_->spline.size() : 0; }
   std::int64_t input_id() const { return trajectory_ ? trajectory_->input_id : 0; }
 
-  /// State `num_steps` steps ahead; computed on demand and kept. At most kMaxSteps.
+  /// The state `num_steps` steps ahead, at most kMaxSteps. It is computed when first asked for, and kept.
   const KinematicState& predicted(std::size_t num_steps);
   static constexpr std::size_t kMaxSteps = 2000;
 

@@ -38,23 +38,23 @@ struct PathRequest {
   std::vector<HeadedPoint> waypoints;
   std::optional<KinematicState> start;  ///< state the trajectory continues; nothing: at rest in the first waypoint
   TrackerLimits limits;
-  double max_deviation_m = 0;  ///< from the straight lines between waypoints; 0: the configured default
-  bool use_heading = true;     ///< false: the start heading is kept
+  double max_deviation_m = 0;  ///< from the straight lines between waypoints; 0 stands for the configured default
+  bool use_heading = true;     ///< whether waypoints' headings are flown; else the start heading is kept
   bool stop_at_waypoints = false;
-  bool is_loop = false;                ///< returns to the first waypoint
-  bool has_heading_of_motion = false;  ///< look where we fly instead of at the waypoints' headings
-  bool has_relaxed_heading = false;    ///< only the last heading counts
+  bool is_loop = false;                ///< whether the trajectory returns to the first waypoint
+  bool has_heading_of_motion = false;  ///< whether the vehicle looks where it flies, not at the waypoints' headings
+  bool has_relaxed_heading = false;    ///< whether only the heading of the last waypoint counts
 };
 
 struct GeneratedTrajectory {
   bool is_valid = false;
-  std::string message;  ///< why not, for a person
+  std::string message;  ///< why there is no trajectory, for people
   double dt_s = 0;
   double duration_s = 0;
   std::vector<HeadedPoint> samples;           ///< every dt_s; the first is the start, the last is at rest
   std::vector<std::size_t> waypoint_samples;  ///< index of the sample nearest to each waypoint, ascending
-  double deviation_m = 0;                     ///< largest distance from the path actually planned
-  bool stops_at_corners = false;              ///< corners could not be rounded within the limits
+  double deviation_m = 0;                     ///< largest distance of the trajectory from the straight lines
+  bool stops_at_corners = false;              ///< whether corners could not be rounded within the limits
   int iterations = 0;
 };
 

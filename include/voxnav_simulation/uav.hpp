@@ -54,7 +54,7 @@ struct CommandResult {
 /// Not thread-safe.
 class Uav {
  public:
-  /// Ground height at x, y in the world; nothing outside of it.
+  /// Height of the ground at x, y in the world, or nothing outside of the world.
   using GroundHeight = std::function<std::optional<double>(double x, double y)>;
 
   /// @throws voxnav::base::ConfigError
@@ -63,10 +63,10 @@ class Uav {
 
   void step();
   voxnav::base::StampNs stamp_ns() const { return stamp_ns_; }
-  /// Moves the clock of an idle vehicle.
+  /// Sets the time from which an idle vehicle goes on.
   void set_stamp_ns(voxnav::base::StampNs stamp_ns) { stamp_ns_ = stamp_ns; }
 
-  /// Commands answer with the reason when they are refused.
+  /// Each command answers with the reason when it is refused.
   CommandResult take_off();
   CommandResult land();
   CommandResult hover();
@@ -77,15 +77,15 @@ class Uav {
   FlightPhase phase() const { return phase_; }
   const BodyState& truth() const { return truth_; }        ///< in W
   const BodyState& estimate() const { return estimate_; }  ///< in O
-  const ImuReading& imu() const { return imu_; }           ///< of the last step
+  const ImuReading& imu() const { return imu_; }           ///< the measurement of the last step
   Vec3 drift() const { return drift_.position(); }
-  /// Height of the body above the ground; nothing outside of the world.
+  /// Height of the body above the ground, or nothing outside of the world.
   std::optional<double> height_m() const;
-  /// Range to the ground along the body's z axis; nothing when out of range.
+  /// Range to the ground along the body's z axis, or nothing when the ground is out of range.
   std::optional<double> rangefinder();
 
   const Tracker& tracker() const { return tracker_; }
-  /// State in O `ahead_s` ahead, rounded to steps, at most 10 s.
+  /// The state in O at `ahead_s` from now, rounded to steps; at most 10 s.
   const KinematicState& predicted(double ahead_s);
 
  private:

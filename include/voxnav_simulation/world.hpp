@@ -18,7 +18,7 @@ struct Stem {
   SurfaceClass surface_class;  ///< kTrunk or kPole
 };
 
-/// How many of each there are; fewer than asked for when no more found room.
+/// How many objects of each kind there are; fewer than asked for where no more found room.
 struct WorldCounts {
   int num_trees = 0;
   int num_bushes = 0;
@@ -38,14 +38,14 @@ class World {
 
   const WorldConfig& config() const { return config_; }
   std::uint64_t seed() const { return seed_; }
-  /// Everything that never moves.
+  /// The triangles of everything that never moves.
   const Mesh& mesh() const { return mesh_; }
   /// The vehicle around its own origin (on the ground, below its middle, x forward); empty when there is none.
   const Mesh& vehicle_mesh() const { return vehicle_mesh_; }
   const std::vector<Stem>& stems() const { return stems_; }
   const WorldCounts& counts() const { return counts_; }
   std::optional<double> ground_height(double x, double y) const { return terrain_.height(x, y); }
-  /// Vehicle standing level on the ground; nothing outside of the terrain.
+  /// Pose of the vehicle when it stands level on the ground, or nothing outside of the terrain.
   std::optional<Pose> vehicle_pose(double x, double y, double heading_rad) const;
 
  private:

@@ -182,7 +182,7 @@ PYBIND11_MODULE(_simulation, m) {
   pybind11::module_::import("voxnav._core");  // registers ConfigError
   vb::bind_config<voxnav_simulation::WorldConfig>(m, "WorldConfig", "What a generated world contains.");
   vb::bind_words<voxnav_simulation::BeamModel>(m, "BeamModel", "Beam tables of data sheets, or one's own.");
-  vb::bind_words<voxnav_simulation::CloudLayout>(m, "CloudLayout", "Layouts of the simulated clouds.");
+  vb::bind_words<voxnav_simulation::DriverLayout>(m, "DriverLayout", "Layouts of the simulated clouds.");
   vb::bind_config<voxnav_simulation::LidarConfig>(m, "LidarConfig", "A spinning LiDAR and its errors.");
   vb::bind_config<voxnav_simulation::LidarSimulatorConfig>(m, "LidarSimulatorConfig", "The lidar_simulator node.");
   m.def("load_world_config", &voxnav_simulation::load_world_config, pybind11::arg("path"),

@@ -13,13 +13,13 @@
 
 namespace voxnav_ros {
 
-/// The service that learns the UAV's own body from the next clouds. Only while the control manager says that the UAV
-/// does not fly: what is near in flight is an obstacle, and must never be masked. One thread.
+/// The service that learns the UAV's own body from the next clouds. It learns only while the control manager says that
+/// the UAV does not fly, because what is near in flight is an obstacle and must never be masked. For one thread.
 class BodyLearning {
  public:
   BodyLearning(ros::NodeHandle nh, const voxnav::cloud::BodyMaskConfig& config);
   void start(ros::NodeHandle nh);
-  /// The mask, once, after the last cloud it needs.
+  /// Takes the next cloud. @return the mask after the last cloud that it needs, otherwise nothing
   std::optional<voxnav::cloud::BodyMask> add(const voxnav::cloud::RawCloudView& cloud);
 
  private:
@@ -28,7 +28,7 @@ class BodyLearning {
   bool on_learn(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
 
   voxnav::cloud::BodyMaskConfig config_;
-  std::unique_ptr<voxnav::cloud::BodyMaskLearner> learner_;  ///< while learning
+  std::unique_ptr<voxnav::cloud::BodyMaskLearner> learner_;  ///< null unless the body is being learnt
   std::string control_topic_;
   bool is_flying_ = false;
   std::optional<ros::SteadyTime> heard_;

@@ -71,7 +71,7 @@ std::string section(const char* name) {
   return json(std::string(name)) + ": [\n  " + fields + "]";
 }
 
-/// The sections of a node, and those that all nodes have.
+/// Prints the sections of a node and those that all nodes have.
 void print(const char* node, std::vector<std::string> sections, bool is_last = false) {
   sections.push_back(section<voxnav::pipeline::TimeConfig>("time"));
   std::cout << json(std::string(node)) << ": {";

@@ -19,7 +19,7 @@ namespace {
 using voxnav_simulation::DriverLayout;
 
 constexpr double kLogPeriod_s = 5.0;
-// Seconds of truth at 250 Hz that may wait while a turn is computed.
+// True poses that may wait while a turn is computed; they come at 250 Hz.
 constexpr int kTruthQueue = 1000;
 
 sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, const std_msgs::Header& header) {
@@ -44,8 +44,8 @@ sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, cons
 
 }  // namespace
 
-/// True poses in, clouds of the simulated world out. Truth arrives on one topic one message at a time, so only the
-/// scene is shared between callbacks, and that is thread-safe.
+/// The nodelet that takes true poses and publishes clouds of the simulated world. True poses arrive on one topic, one
+/// message at a time, so only the scene is shared between callbacks, and the scene is thread-safe.
 class LidarSimulatorNodelet : public NodeletBase {
  public:
   LidarSimulatorNodelet() : NodeletBase("LidarSimulator") {}
@@ -127,7 +127,7 @@ class LidarSimulatorNodelet : public NodeletBase {
     NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
   }
 
-  /// Once per frame name: rviz gets the markers when it is known which frame the world is in.
+  /// Sends the markers of the world once it is known which frame the world is in, and again when that name changes.
   void show_world(const std::string& frame_id) {
     const std::lock_guard<std::mutex> lock(marker_mutex_);
     if (frame_id == world_frame_id_ || frame_id.empty()) return;

@@ -10,10 +10,10 @@ namespace {
 using voxnav::geometry::Index3;
 using Marker = TiledMarkers::Marker;
 
-/// Points of one primitive stay together.
+/// Number of points that make up one primitive, and therefore stay together.
 std::size_t points_per_item(const Marker& marker) { return marker.type == Marker::TRIANGLE_LIST ? 3 : 1; }
 
-/// Keeps every n-th item so that at most `limit` points stay.
+/// Keeps every n-th primitive, so that at most `limit` points stay.
 void thin(std::size_t limit, Marker* marker) {
   const std::size_t size = points_per_item(*marker);
   const std::size_t count = marker->points.size() / size;
@@ -44,7 +44,7 @@ std::uint64_t add_to_sum(const std::vector<T>& values, std::uint64_t sum) {
   return sum;
 }
 
-/// Of what can be seen; never 0.
+/// A checksum of what can be seen of a marker. It is never 0, which stands for nothing.
 std::uint64_t sum_of(const Marker& marker) {
   return add_to_sum(marker.colors, add_to_sum(marker.points, 0x9E3779B97F4A7C15ull)) | 1u;
 }
@@ -100,7 +100,7 @@ std::vector<Marker> TiledMarkers::next(const MapTiles& tiles, const std_msgs::He
     Marker marker = blank_;
     draw_({blocks.begin(), blocks.end()}, &marker);
     thin(max_points, &marker);
-    if (num_points > 0 && num_points + marker.points.size() > max_points) break;  // it is drawn anew next time
+    if (num_points > 0 && num_points + marker.points.size() > max_points) break;  // the tile is drawn again next turn
     due_.erase(due_.begin());
     const std::uint64_t sum = marker.points.empty() ? 0 : sum_of(marker);
     auto shown = shown_.find(tile);
@@ -108,7 +108,7 @@ std::vector<Marker> TiledMarkers::next(const MapTiles& tiles, const std_msgs::He
     if (shown == shown_.end()) shown = shown_.insert({tile, {next_id_++, 0}}).first;
     marker.id = shown->second.id;
     shown->second.sum = sum;
-    // rviz rejects a list without points.
+    // A tile without points is deleted, because rviz rejects a list without points.
     marker.action = sum == 0 ? Marker::DELETE : Marker::ADD;
     if (sum == 0) shown_.erase(shown);
     num_points += marker.points.size();

@@ -14,16 +14,16 @@
 
 namespace voxnav_ros {
 
-/// A square of 2 x 2 blocks and all heights: the piece in which markers are drawn, sent and replaced.
+/// A column of 2 x 2 blocks over all heights: the piece in which markers are drawn, sent and replaced.
 using Tile = std::pair<std::int32_t, std::int32_t>;
 Tile tile_of(const voxnav::geometry::Index3& block);
 
-/// Which known blocks lie in each tile.
+/// The known blocks of each tile.
 class MapTiles {
  public:
-  /// Follows blocks that changed, came or went.
+  /// Takes notice of blocks that changed, came or went.
   void follow(const voxnav::submap::EvidenceMap& evidence, const std::vector<voxnav::geometry::Index3>& changed);
-  /// Sorted; empty when nothing is known there.
+  /// The known blocks of a tile, sorted; there are none where nothing is known.
   const std::set<voxnav::geometry::Index3>& blocks_of(const Tile& tile) const;
   const std::map<Tile, std::set<voxnav::geometry::Index3>>& all() const { return tiles_; }
 
@@ -36,26 +36,26 @@ class MapTiles {
 class TiledMarkers {
  public:
   using Marker = visualization_msgs::Marker;
-  /// Fills points and colours of one tile; an empty one is deleted where it was shown.
+  /// Fills points and colours of one tile. A tile that stays empty is deleted where it was shown.
   using Draw = std::function<void(const std::vector<voxnav::geometry::Index3>& blocks, Marker* marker)>;
 
-  /// @param blank  what all markers have in common
+  /// @param blank  a marker that has what all markers have in common
   TiledMarkers(const Marker& blank, Draw draw) : blank_(blank), draw_(std::move(draw)) {}
 
   void mark(const Tile& tile) { due_.insert(tile); }
-  /// As for somebody who has seen nothing: all tiles are due, and the next marker deletes what was shown.
+  /// Begins anew for somebody who has seen nothing: all tiles are due, and the next marker deletes what was shown.
   void restart(const MapTiles& tiles);
   void forget();
   bool is_due() const { return !due_.empty(); }
-  /// The next markers, at most `max_markers`, and at most `max_points` points together: every n-th point of a tile
-  /// that has more. Looks at tiles until one of the limits is reached or nothing is due.
+  /// The markers of the tiles that are due next, until there are `max_markers` of them, `max_points` points in all of
+  /// them together, or no more tiles that are due. Of a tile that has more points every n-th is shown.
   std::vector<Marker> next(const MapTiles& tiles, const std_msgs::Header& header, std::size_t max_points,
                            std::size_t max_markers);
 
  private:
   struct Shown {
     std::int32_t id = 0;
-    std::uint64_t sum = 0;  ///< of what was sent; 0 = nothing is shown
+    std::uint64_t sum = 0;  ///< checksum of what was sent; 0 where nothing is shown
   };
   Marker blank_;
   Draw draw_;

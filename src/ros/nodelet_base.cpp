@@ -6,8 +6,9 @@
 namespace voxnav_ros {
 
 void NodeletBase::onInit() {
-  // On the process' own queue: a nodelet unloaded while a callback runs ends with that callback, and by then its other
-  // queue is gone, so that a nodelet must keep to one of its two. What all have in common uses neither.
+  // Diagnostics and progress use the process' own queue and neither of the two queues of the nodelet. A nodelet that is
+  // unloaded while a callback runs ends with that callback, by when its other queue is gone, so that each nodelet has
+  // to keep to one of its two.
   ros::NodeHandle nh(getPrivateNodeHandle());
   nh.setCallbackQueue(ros::getGlobalCallbackQueue());
   name_ = getName().substr(getName().rfind('/') + 1);
@@ -20,7 +21,7 @@ void NodeletBase::onInit() {
     initialize();
   } catch (const std::exception& error) {
     NODELET_FATAL_STREAM("[" << node_ << "]: not started:\n" << error.what());
-    throw;  // the manager reports the load as failed, and the launch file sees it
+    throw;  // the manager then reports to whoever asked for the nodelet that loading failed
   }
   const auto begin = [this](const ros::SteadyTimerEvent&) {
     diagnostics_->start();

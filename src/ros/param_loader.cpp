@@ -59,7 +59,7 @@ bool to_value(XmlRpcValue& in, Value* out) {
 ParamLoader::ParamLoader(const ros::NodeHandle& private_nh) : node_(private_nh.getNamespace()) {
   if (!private_nh.getParam("", tree_) || tree_.getType() != XmlRpcValue::TypeStruct) {
     XmlRpcValue empty;
-    empty["_"] = 0;  // makes it a struct; the key is skipped below
+    empty["_"] = 0;  // a member makes the value a struct; this one is skipped below
     tree_ = empty;
   }
 }
@@ -88,7 +88,7 @@ void ParamLoader::finish() {
   for (auto& entry : tree_) {
     if (entry.first == "_") continue;
     const std::string problem = voxnav::base::detail::unknown_problem(entry.first, known_);
-    // Nodelets' own services and loggers keep nothing here, so anything else is a mistake.
+    // The services and loggers of nodelets keep nothing here, so whatever is left is a mistake.
     if (!problem.empty()) problems_.push_back(problem);
   }
   for (std::string& problem : problems_) problem = node_ + "/" + problem;

@@ -19,9 +19,10 @@ class MergedMap {
   submap::SubmapCollection& collection() { return *collection_; }
   const submap::SubmapCollection& collection() const { return *collection_; }
   const submap::ObstacleMap& obstacles() const { return obstacles_; }
-  /// Another set of submaps; what was there is forgotten with the next update.
+  /// Takes another set of submaps in place of the present one, of which nothing is left after the next update.
+  /// @throws std::invalid_argument when its voxels have another size
   void replace(submap::SubmapCollection collection);
-  /// Brings evidence and obstacles up to date. @return blocks whose evidence changed
+  /// Brings evidence and obstacles up to date. @return the blocks whose evidence changed
   std::vector<voxnav::geometry::Index3> update();
   voxnav::containers::GridUpdate take_changes() { return obstacles_.take_changes(); }
   std::size_t memory_bytes() const { return collection_->memory_bytes() + obstacles_.memory_bytes(); }
@@ -29,7 +30,7 @@ class MergedMap {
  private:
   std::unique_ptr<submap::SubmapCollection> collection_;
   submap::ObstacleMap obstacles_;
-  std::vector<voxnav::geometry::Index3> replaced_;  ///< known in the collection before
+  std::vector<voxnav::geometry::Index3> replaced_;  ///< blocks of a collection that was replaced since the last update
 };
 
 }  // namespace voxnav_ros

@@ -71,7 +71,7 @@ void SubmapIntegratorNodelet::advertise() {
   export_ = nh.advertiseService("export_in", &SubmapIntegratorNodelet::on_export, this);
 }
 
-/// Runs a task on the worker; whatever it throws ends as an error in diagnostics.
+/// Hands a task to the worker. Whatever the task throws, and that the queue is full, is said in diagnostics.
 void SubmapIntegratorNodelet::enqueue(const char* what, std::function<void()> task) {
   const std::string name = what;
   const bool is_taken = worker_->push([this, name, task = std::move(task)] {
@@ -119,7 +119,7 @@ void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& ha
 void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   entry.T_W_S = T_W_O_ * entry.T_O_S;
   entry.flight = flight_;
-  // After a map was loaded, ids that start anew go on behind its ids.
+  // After a map was loaded, ids that begin again at a low number are shifted behind the ids of that map.
   if (!id_shift_) id_shift_ = entry.id >= first_id_ ? 0 : first_id_ - entry.id;
   entry.id += *id_shift_;
   const voxnav::Submap msg = to_msg(entry, odometry_frame_);
@@ -132,7 +132,8 @@ void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   if (!config_.autosave_dir.empty() && saver_->size() == 0) saver_->push([this] { autosave(); });
 }
 
-/// After a change: obstacles first, as people fly by them; pictures follow piece by piece.
+/// Brings everything up to date after a change. Obstacles come first, because flights depend on them; pictures follow
+/// piece by piece.
 void SubmapIntegratorNodelet::refresh(const ros::Time& stamp) {
   last_stamp_ = std::max(last_stamp_, stamp);
   {
@@ -174,7 +175,7 @@ void SubmapIntegratorNodelet::on_snapshot_time(const ros::SteadyTimerEvent&) {
   enqueue("snapshot", [this] { publish_obstacles(map_->obstacles().snapshot()); });
 }
 
-/// Left out while there is work that somebody waits for.
+/// Pictures are left out while there is work that somebody waits for.
 void SubmapIntegratorNodelet::on_picture_time(const ros::SteadyTimerEvent&) {
   if (worker_->size() > 0) return;
   enqueue("pictures", [this] {

@@ -27,8 +27,9 @@
 
 namespace voxnav_ros {
 
-/// Handovers (or clouds) in, finished submaps and obstacles out. Callbacks only queue; one worker thread finishes
-/// submaps and keeps the merged map, so no sensor waits. One mutex guards everything below it.
+/// The nodelet that takes handovers (or clouds) and publishes finished submaps and obstacles. Callbacks only queue
+/// tasks; one worker thread finishes submaps and keeps the merged map, so that no sensor waits for it. The mutex guards
+/// all members that are declared after it.
 class SubmapIntegratorNodelet : public NodeletBase {
  public:
   SubmapIntegratorNodelet() : NodeletBase("SubmapIntegrator") {}
@@ -53,12 +54,12 @@ class SubmapIntegratorNodelet : public NodeletBase {
   bool on_merge(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
   bool on_export(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
 
-  // On any thread, without the mutex: files are written while the worker goes on.
+  // These run on any thread and without the mutex, so that files are written while the worker goes on.
   submap::SubmapCollection copy_of_map();
   std::size_t save(const std::string& directory);
   void autosave();
 
-  // On the worker, with the mutex held.
+  // These run on the worker, which holds the mutex.
   void take_handover(const voxnav::pipeline::Handover& handover);
   void take_poses(const voxnav::SubmapPoses& msg);
   void integrate(const sensor_msgs::PointCloud2& msg);
@@ -82,11 +83,11 @@ class SubmapIntegratorNodelet : public NodeletBase {
   std::string map_frame_, odometry_frame_;
   std::unique_ptr<voxnav::pipeline::SubmapAssembler> assembler_;
   std::unique_ptr<MergedMap> map_;
-  voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< W starts as O
+  voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< identity at first: W begins as O
   std::uint32_t newest_id_ = 0;
   std::uint32_t flight_ = 0;               ///< of submaps to come
-  std::uint32_t first_id_ = 0;             ///< above all that were loaded
-  std::optional<std::uint32_t> id_shift_;  ///< of submaps to come; none = the next one tells
+  std::uint32_t first_id_ = 0;             ///< above the ids of all submaps that were loaded
+  std::optional<std::uint32_t> id_shift_;  ///< added to the ids of submaps to come; the next one decides when absent
   std::uint32_t sequence_ = 0;
   ros::Time last_stamp_;
 
@@ -94,8 +95,8 @@ class SubmapIntegratorNodelet : public NodeletBase {
   ros::Publisher submap_, obstacles_;
   ros::ServiceServer get_obstacles_, get_submaps_, save_, load_, merge_, export_;
   ros::SteadyTimer snapshot_timer_, picture_timer_;
-  std::mutex save_mutex_;                   ///< one save at a time
-  std::unique_ptr<Worker> saver_, worker_;  ///< stop before what their tasks use
+  std::mutex save_mutex_;                   ///< held while the map is saved: one save at a time
+  std::unique_ptr<Worker> saver_, worker_;  ///< destroyed before what their tasks use
   ros::Subscriber handover_, poses_, points_;
 };
 

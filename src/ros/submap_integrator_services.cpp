@@ -9,7 +9,7 @@
 namespace voxnav_ros {
 namespace {
 
-/// Answers with what `work` returns, or with the reason why it threw.
+/// Answers a request with what `work` returns, or with the reason why it threw.
 template <class Work>
 bool answer(mrs_msgs::String::Response* response, Work&& work) {
   try {
@@ -22,7 +22,7 @@ bool answer(mrs_msgs::String::Response* response, Work&& work) {
   return true;
 }
 
-/// "DIRECTORY" or "DIRECTORY x y z yaw", metres and radians.
+/// Reads "DIRECTORY" or "DIRECTORY x y z yaw", in metres and radians.
 std::pair<std::string, voxnav::geometry::Pose> directory_and_pose(const std::string& text) {
   std::istringstream in(text);
   std::string directory;
@@ -39,7 +39,7 @@ std::pair<std::string, voxnav::geometry::Pose> directory_and_pose(const std::str
 bool SubmapIntegratorNodelet::on_get_obstacles(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
   const std::lock_guard<std::mutex> lock(mutex_);
   response.success = true;
-  // The sequence of the last message: the next change follows it.
+  // The answer has the sequence number of the last message, so that the next change follows it.
   response.grid = obstacle_msg(map_->obstacles().snapshot(), sequence_);
   return true;
 }
@@ -53,7 +53,7 @@ bool SubmapIntegratorNodelet::on_get_submaps(voxnav::GetSubmaps::Request&, voxna
   return true;
 }
 
-/// Submaps never change, so a list of them is all that has to be copied under the mutex.
+/// Finished submaps never change, so only the list of them has to be copied while the mutex is held.
 submap::SubmapCollection SubmapIntegratorNodelet::copy_of_map() {
   submap::SubmapCollection copy(collection_config_);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -81,7 +81,7 @@ bool SubmapIntegratorNodelet::on_save(mrs_msgs::String::Request& request, mrs_ms
   return answer(&response, [&] { return std::to_string(save(request.value)) + " submaps saved to " + request.value; });
 }
 
-/// The next submap belongs to a newer flight than all that were loaded, and has an id that none of them has.
+/// Sees to it that the next submap belongs to a newer flight than all that were loaded, and has an id of its own.
 void SubmapIntegratorNodelet::continue_from(const submap::SubmapCollection& loaded) {
   for (const submap::SubmapEntry* entry : loaded.entries()) {
     flight_ = std::max(flight_, entry->flight + 1);
@@ -100,7 +100,7 @@ std::string SubmapIntegratorNodelet::show_loaded(std::size_t num_loaded, const s
   return out;
 }
 
-/// What is broken in the files is left out and said; limits and page_dir stay those of this node.
+/// Broken parts of the files are left out, and the answer says which. Limits and page_dir stay those of this node.
 bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, [&] {
     std::vector<std::string> problems;
@@ -112,7 +112,7 @@ bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_ms
   });
 }
 
-/// Another flight, as if it had been flown after all that is here.
+/// Adds another flight as if it had been flown after all flights that are here.
 bool SubmapIntegratorNodelet::on_merge(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, [&] {
     const auto [directory, T_W_other] = directory_and_pose(request.value);

@@ -10,7 +10,7 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 constexpr std::size_t kMarkersPerTurn = 200;
-constexpr std::size_t kMeshesPerTurn = 5;  // single markers: viewers keep a short queue
+constexpr std::size_t kMeshesPerTurn = 5;  // few at a time, as viewers keep a short queue of single markers
 constexpr std::size_t kMinVoxelsOfChange = 10;
 
 }  // namespace
@@ -56,7 +56,7 @@ void SubmapPictures::mark(const MergedMap& map, const Blocks& changed) {
   for (Whole* whole : {&obstacle_cloud_, &slice_, &changes_, &change_boxes_}) whole->is_due = true;
 }
 
-/// Whether there is something to send: to somebody new, all of it.
+/// Whether there is something to send. All of it is due when somebody new listens.
 bool SubmapPictures::prepare(Tiled* tiled) {
   if (!tiled->topic.is_heard()) {
     tiled->markers->forget();
@@ -118,7 +118,7 @@ sensor_msgs::PointCloud2 SubmapPictures::slice_of(const MergedMap& map, const st
 bool SubmapPictures::turn(const MergedMap& map, const std_msgs::Header& header) {
   evidence_ = &map.collection().evidence();
   if (header.frame_id != frame_id_) {
-    // What was sent stands in a frame that is no longer the map's.
+    // What was sent so far stands in a frame that is no longer the map's, so it has to be sent again.
     for (Tiled* tiled : {&occupancy_, &submaps_, &mesh_}) tiled->markers->restart(tiles_);
     frame_id_ = header.frame_id;
   }

@@ -15,7 +15,7 @@
 
 namespace voxnav_ros {
 
-/// A topic that knows when somebody new listens.
+/// A publisher that knows when somebody new listens.
 class PictureTopic {
  public:
   template <class Msg>
@@ -24,7 +24,7 @@ class PictureTopic {
     publisher_ = nh->advertise<Msg>(name, kQueue, [this](const ros::SingleSubscriberPublisher&) { has_new_ = true; });
   }
   bool is_heard() const { return publisher_.getNumSubscribers() > 0; }
-  /// Whether somebody came since the last call.
+  /// Whether somebody began to listen since the last call.
   bool take_new() { return has_new_.exchange(false); }
   template <class Msg>
   void publish(const Msg& message) const {
@@ -36,20 +36,21 @@ class PictureTopic {
   ros::Publisher publisher_;
 };
 
-/// What people see of the map. Nothing is drawn unless somebody listens; who comes late gets all of it. Markers are
-/// sent a bounded piece per turn, only where they changed, so that neither the obstacles nor a slow link wait for them.
+/// What people see of the map. Nothing is drawn unless somebody listens, and whoever comes late gets all of it. Markers
+/// are sent only where they changed and a bounded piece per turn, so that neither obstacles nor a slow link wait for
+/// them.
 class SubmapPictures {
  public:
   explicit SubmapPictures(const SubmapIntegratorConfig& config);
   void advertise(ros::NodeHandle* nh);
 
-  /// The map is another one in these blocks.
+  /// Takes notice that the map has changed in these blocks.
   void mark(const MergedMap& map, const std::vector<voxnav::geometry::Index3>& changed);
-  /// Sends the next piece of everything that is due. @return whether anything was
+  /// Sends the next piece of everything that is due. @return whether anything was due
   bool turn(const MergedMap& map, const std_msgs::Header& header);
 
  private:
-  /// Markers and the topic they go to.
+  /// Markers that are sent tile by tile, and their topic.
   struct Tiled {
     PictureTopic topic;
     std::unique_ptr<TiledMarkers> markers;
@@ -68,7 +69,7 @@ class SubmapPictures {
 
   SubmapIntegratorConfig config_;
   std::string frame_id_;
-  const voxnav::submap::EvidenceMap* evidence_ = nullptr;  ///< of this turn
+  const voxnav::submap::EvidenceMap* evidence_ = nullptr;  ///< valid during a turn
   MapTiles tiles_;
   Tiled occupancy_, submaps_, mesh_;
   Whole obstacle_cloud_, slice_, changes_, change_boxes_;

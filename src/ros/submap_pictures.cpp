@@ -54,7 +54,7 @@ void add_row(const Vec3& p, double intensity, std::vector<float>* rows) {
   rows->push_back(static_cast<float>(intensity));
 }
 
-/// Keeps every n-th of what it is asked about, so that at most `limit` of `total` pass.
+/// Says of each of `total` items whether to keep it: every n-th, so that at most `limit` are kept.
 class Thinner {
  public:
   Thinner(std::size_t total, std::size_t limit) : stride_(limit > 0 ? (total + limit - 1) / limit : 0) {}
@@ -77,7 +77,7 @@ visualization_msgs::Marker box_of(const voxnav::SceneChange& change, const std_m
   marker.pose.position.x = middle(change.box_min.x, change.box_max.x);
   marker.pose.position.y = middle(change.box_min.y, change.box_max.y);
   marker.pose.position.z = middle(change.box_min.z, change.box_max.z);
-  constexpr double kThinnest_m = 0.1;  // rviz does not show flat cubes
+  constexpr double kThinnest_m = 0.1;  // rviz does not show cubes without thickness
   marker.scale.x = std::max(change.box_max.x - change.box_min.x, kThinnest_m);
   marker.scale.y = std::max(change.box_max.y - change.box_min.y, kThinnest_m);
   marker.scale.z = std::max(change.box_max.z - change.box_min.z, kThinnest_m);

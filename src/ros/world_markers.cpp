@@ -13,7 +13,7 @@ using voxnav_simulation::kNumSurfaceClasses;
 using voxnav_simulation::Mesh;
 using voxnav_simulation::SurfaceClass;
 
-/// Every how many-th triangle of a class is shown; 0 = none.
+/// For each class the n of which every n-th triangle is shown; 0 hides the class.
 using Strides = std::array<std::size_t, kNumSurfaceClasses>;
 
 Strides strides_for(const Mesh& mesh, std::size_t max_triangles) {

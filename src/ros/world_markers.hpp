@@ -9,8 +9,8 @@
 
 namespace voxnav_ros {
 
-/// The world for rviz: one triangle list per surface class (ns "world") and the vehicle (ns "vehicle"), together at
-/// most `max_triangles` of the static mesh. Leaves are thinned out before anything else is.
+/// The world for rviz: one triangle list per surface class (namespace "world") and one for the vehicle (namespace
+/// "vehicle"). At most `max_triangles` of what never moves are shown; leaves are thinned out before anything else.
 visualization_msgs::MarkerArray world_markers(const voxnav_simulation::Scene& scene, const std::string& frame_id,
                                               std::size_t max_triangles);
 

@@ -180,7 +180,8 @@ UavCommands::Result UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
     trajectory.skip_s = std::max(0.0, trajectory.skip_s);
   }
   if (msg.fly_now) return fly(trajectory);
-  // Checked by flying it, then held in place: loading a trajectory ends the present one.
+  // The trajectory is checked by flying it and is then stopped in place, because loading a trajectory ends the present
+  // one.
   const Result result = fly(trajectory);
   if (result.success) shared_.uav->hover();
   return result;

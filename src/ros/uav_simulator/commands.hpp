@@ -33,7 +33,7 @@ class UavCommands {
     voxnav_simulation::Uav* uav;
     voxnav_simulation::ConstraintSet* constraints;
   };
-  /// @param take_off_refusal  asked before take-off; empty: allowed
+  /// @param take_off_refusal  is asked before take-off; an empty answer allows it, any other is the reason why not
   UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,
               const voxnav_simulation::UavConstraintsConfig& constraints,
               const voxnav_simulation::TrajectoryGeneratorConfig& generator,
@@ -58,8 +58,8 @@ class UavCommands {
   Result fly(const voxnav_simulation::TrackedTrajectory& trajectory);
 
   struct Plan {
-    voxnav_simulation::GeneratedTrajectory generated;   ///< in the control frame
-    std::vector<voxnav_simulation::HeadedPoint> front;  ///< samples of the prediction that come first
+    voxnav_simulation::GeneratedTrajectory generated;   ///< trajectory in the control frame
+    std::vector<voxnav_simulation::HeadedPoint> front;  ///< samples of the prediction that are flown before it
     bool has_dropped_waypoint = false;
     ros::Time stamp;
   };
@@ -72,8 +72,8 @@ class UavCommands {
   voxnav_simulation::UavConstraintsConfig constraints_;
   voxnav_simulation::TrajectoryGeneratorConfig generator_;
   std::function<std::string()> take_off_refusal_;
-  std::optional<voxnav_simulation::TrackedTrajectory> loaded_;  ///< last trajectory given; guarded like uav
-  double stopped_at_s_ = 0;                                     ///< where tracking it was stopped
+  std::optional<voxnav_simulation::TrackedTrajectory> loaded_;  ///< the last trajectory given; guarded like uav
+  double stopped_at_s_ = 0;                                     ///< time along it at which tracking was stopped
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> subscribers_;
 };

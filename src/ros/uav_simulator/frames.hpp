@@ -24,11 +24,12 @@ class UavFrames {
   const std::string& control() const { return control_; }
   const std::string& ground_truth() const { return ground_truth_; }
 
-  /// fcu is the root; every origin is its child, at the inverse of the vehicle's pose.
+  /// The inverted tree of the MRS system: fcu is the root, and every origin is its child at the inverse of the
+  /// vehicle's pose.
   std::vector<geometry_msgs::TransformStamped> tree(const voxnav_simulation::Uav& uav, const ros::Time& stamp) const;
 
-  /// Takes coordinates in `frame_id` to the control frame; "" is the control frame, short names get the prefix.
-  /// Nothing when tf does not know the frame. Never waits.
+  /// The transform that takes coordinates in `frame_id` to the control frame, or nothing when tf does not know it now:
+  /// nobody waits here. An empty name is the control frame; short names get the vehicle's prefix.
   std::optional<voxnav::geometry::Pose> T_control(const std::string& frame_id) const;
 
  private:
@@ -37,7 +38,7 @@ class UavFrames {
   tf2_ros::TransformListener listener_;
 };
 
-/// A reference with its heading, in another frame.
+/// The same reference and heading, expressed in another frame.
 voxnav_simulation::HeadedPoint transformed(const voxnav::geometry::Pose& T_A_B,
                                            const voxnav_simulation::HeadedPoint& point_B);
 

@@ -221,7 +221,7 @@ sensor_msgs::Imu imu(const voxnav_simulation::ImuReading& sample, const std::str
   out.angular_velocity = vector(sample.gyro);
   out.linear_acceleration = vector(sample.accel);
   out.orientation.w = 1.0;
-  out.orientation_covariance[0] = -1.0;  // by convention: there is no orientation
+  out.orientation_covariance[0] = -1.0;  // which says by convention that there is no orientation
   return out;
 }
 
@@ -259,7 +259,7 @@ sensor_msgs::Range range(const std::optional<double>& range_m, const std_msgs::H
   out.field_of_view = 0.01F;
   out.min_range = 0.05F;
   out.max_range = static_cast<float>(max_m);
-  // REP 117: nothing within range.
+  // REP 117 has infinity for "nothing within range".
   out.range = range_m ? static_cast<float>(*range_m) : std::numeric_limits<float>::infinity();
   return out;
 }

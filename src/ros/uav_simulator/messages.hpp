@@ -27,15 +27,15 @@ using voxnav_simulation::Uav;
 using voxnav_simulation::UavSimulatorConfig;
 
 constexpr int kNumPredicted = 40;
-/// Seconds ahead of the i-th sample of the tracker's prediction.
+/// How many seconds ahead the i-th sample of the tracker's prediction lies.
 inline double predicted_ahead_s(int i) { return 0.01 + 0.2 * i; }
 
-/// Twist in the body frame, as nav_msgs asks for.
+/// The odometry, with its twist in the body frame as nav_msgs asks for.
 nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& header, const std::string& child);
-/// Velocity and acceleration in the header's frame, as the MRS system has it.
+/// The state, with velocity and acceleration in the header's frame as the MRS system has them.
 mrs_msgs::UavState uav_state(const BodyState& state, const std_msgs::Header& header, const std::string& child,
                              const std::string& estimator);
-/// With the prediction of 40 samples; the same tracker state computed anew stays valid until the next command.
+/// The tracker's command with its prediction of 40 samples, which holds until the next command.
 mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header);
 mrs_msgs::DynamicsConstraints constraints(const TrackerLimits& limits);
 
@@ -49,7 +49,7 @@ mrs_msgs::UavManagerDiagnostics manager_diagnostics(const Uav& uav, const ros::T
                                                     const UavSimulatorConfig& config);
 
 sensor_msgs::Imu imu(const voxnav_simulation::ImuReading& sample, const std::string& frame_id);
-/// Latitude and longitude of a place in the world, on the plane that touches the earth in the origin.
+/// Latitude and longitude of a place in the world, which is taken as the plane that touches the earth in its origin.
 sensor_msgs::NavSatFix gnss(const voxnav_simulation::Vec3& position, const std_msgs::Header& header,
                             const UavSimulatorConfig& config);
 mrs_msgs::RtkGps rtk(const voxnav_simulation::Vec3& position, const std_msgs::Header& header,

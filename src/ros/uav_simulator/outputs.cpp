@@ -125,7 +125,7 @@ void UavOutputs::note_phase(const Uav& uav) {
   was_idle_ = is_idle;
 }
 
-/// The ground counts as well, but not while taking off and landing, when the vehicle is meant to be near it.
+/// The ground counts as an obstacle as well, but not during take-off and landing, when the vehicle has to be near it.
 void UavOutputs::watch_clearance(const Uav& uav) {
   voxnav::Clearance out;
   out.header = header(frames_.ground_truth());

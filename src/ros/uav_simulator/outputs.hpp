@@ -15,16 +15,16 @@
 
 namespace voxnav_ros {
 
-/// Everything the simulated vehicle publishes, each at its rate of simulated time. Used by one thread.
+/// Everything that the simulated vehicle publishes, each topic at its own rate of simulated time. For one thread.
 class UavOutputs {
  public:
   UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const voxnav_simulation::UavSimulatorConfig& config,
              const UavFrames& frames, std::shared_ptr<const voxnav_simulation::Scene> scene);
 
-  /// Call with the vehicle locked: takes what is due at this time.
+  /// Collects what is due at this time. To be called while the vehicle is locked.
   void collect(voxnav_simulation::Uav* uav, voxnav_simulation::ConstraintSet constraints);
   void add_imu(const voxnav_simulation::ImuReading& sample);
-  /// Call unlocked: sends /clock first, then what was collected.
+  /// Sends /clock and then what was collected. To be called while the vehicle is not locked.
   void publish();
   void publish_clock(voxnav::base::StampNs stamp_ns);
 
@@ -44,7 +44,7 @@ class UavOutputs {
   const UavFrames& frames_;
   std::shared_ptr<const voxnav_simulation::Scene> scene_;
   voxnav::base::StampNs stamp_ns_ = 0;
-  std::int64_t step_ = 0;  ///< of the vehicle, since the start
+  std::int64_t step_ = 0;  ///< steps of the vehicle since the start
   std::vector<std::function<void()>> queue_;
   bool was_idle_ = true;
   double take_off_s_ = 0, flight_s_ = 0;

@@ -8,7 +8,7 @@ namespace voxnav_ros {
 namespace {
 
 constexpr auto kIdlePeriod = std::chrono::milliseconds(100);
-constexpr double kMaxCatchUp_s = 0.2;  ///< of wall time; what is lost beyond it is not made up for
+constexpr double kMaxCatchUp_s = 0.2;  ///< delay in wall time that is caught up with; more is lost for good
 
 double seconds(std::chrono::steady_clock::duration d) { return std::chrono::duration<double>(d).count(); }
 
@@ -38,7 +38,7 @@ void Pacer::wait_for_nodes(voxnav::base::StampNs stamp_ns, const std::function<v
   while (!is_stopped_) {
     const std::vector<std::string> missing = lock_step_.missing(stamp_ns);
     if (missing.empty()) return;
-    // Nodes may take as long as they need to start.
+    // A leader that has not spoken yet is still starting, and may take as long as it needs.
     if (!lock_step_.is_waiting_for_leader() && seconds(Clock::now() - since) > timeout_s_) {
       for (const std::string& node : missing) {
         lock_step_.leave_behind(node);
@@ -59,7 +59,7 @@ void Pacer::wait_for_nodes(voxnav::base::StampNs stamp_ns, const std::function<v
 void Pacer::wait_for_wall(double sim_s) {
   const double elapsed_s = sim_s - last_sim_s_;
   last_sim_s_ = sim_s;
-  // Until every node of the lock-step has reported, nothing holds time back: then it runs in real time at most.
+  // A node that has not reported yet does not hold time back, so time runs no faster than real until all have.
   double factor = speed_factor_;
   if (factor <= 0 && !unseen().empty()) factor = 1.0;
   const Clock::time_point now = Clock::now();

@@ -23,7 +23,7 @@ class Pacer {
   /// Waits until time may reach `stamp_ns`. `on_idle` is called ten times a second while nodes are waited for.
   void wait(voxnav::base::StampNs stamp_ns, const std::function<void()>& on_idle);
   void report(const std::string& node, voxnav::base::StampNs stamp_ns);
-  /// A node was sent something that it will report.
+  /// A node was sent something of this stamp, and will report when it is done with it.
   void begin(const std::string& node, voxnav::base::StampNs stamp_ns);
   void stop();
 
@@ -32,9 +32,9 @@ class Pacer {
     bool is_problem;
     std::string text;
   };
-  /// Nodes that were left behind since the last call, and nodes that came back.
+  /// Which nodes were left behind since the last call, and which came back.
   std::vector<Event> take_events();
-  /// Simulated over wall time, since the start and lately.
+  /// Simulated time over wall time, since the start and over the last second or so.
   double real_time_factor() const { return real_time_factor_; }
   double recent_real_time_factor() const { return recent_factor_; }
 

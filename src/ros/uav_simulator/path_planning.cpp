@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// trajectory_generation: paths become trajectories that continue what the vehicle is about to fly.
+// The MRS service trajectory_generation: paths become trajectories that continue what the vehicle is about to fly.
 #include <algorithm>
 #include <cmath>
 
@@ -16,10 +16,10 @@ using voxnav_simulation::PathRequest;
 using voxnav_simulation::TrackerAxisLimits;
 using voxnav_simulation::TrackerLimits;
 
-constexpr double kFuture_s = 0.2;  ///< paths stamped farther ahead continue the prediction
+constexpr double kFuture_s = 0.2;  ///< a path stamped farther ahead than this continues the prediction
 
-/// Overrides may only narrow the constraints in force: the tracker keeps those anyway. Values that are not positive
-/// are ignored.
+/// Overrides can only narrow the constraints in force, which the tracker keeps in any case. Values that are not
+/// positive are ignored.
 void narrow(TrackerAxisLimits* limits, double speed, double acceleration, double jerk) {
   const auto lower = [](double* value, double wanted) {
     if (wanted > 0) *value = std::min(*value, wanted);
@@ -48,8 +48,8 @@ mrs_msgs::Reference to_reference(const HeadedPoint& point) {
 
 }  // namespace
 
-/// Where the trajectory begins: now, or for a path from the future in the prediction at half of that time, with the
-/// samples of the prediction up to there in front.
+/// Decides where the trajectory begins: in the present state, or for a path from the future in the prediction at half
+/// of that time, with the samples of the prediction up to there in front of it.
 void UavCommands::set_start(const mrs_msgs::Path& path, PathRequest* request, Plan* out) {
   const std::lock_guard<std::mutex> lock(*shared_.mutex);
   voxnav_simulation::Uav& uav = *shared_.uav;
@@ -61,7 +61,7 @@ void UavCommands::set_start(const mrs_msgs::Path& path, PathRequest* request, Pl
   const double ahead_s = (path.header.stamp - out->stamp).toSec();
   if (path.header.stamp.isZero() || ahead_s <= kFuture_s) return;
   const auto count = std::max(1, static_cast<int>(std::ceil((0.5 * ahead_s - 0.01) / 0.2)));
-  if (count >= uav_messages::kNumPredicted) return;  // beyond the prediction: from the present state
+  if (count >= uav_messages::kNumPredicted) return;  // the prediction ends before; the present state is the start
   for (int i = 0; i < count; ++i) {
     const KinematicState& s = uav.predicted(uav_messages::predicted_ahead_s(i));
     out->front.push_back({s.position, s.heading_rad});
@@ -85,7 +85,7 @@ UavCommands::Plan UavCommands::plan(const mrs_msgs::Path& path, const voxnav::ge
   Plan out;
   set_start(path, &request, &out);
   voxnav_simulation::TrajectoryGeneratorConfig config = generator_;
-  if (!out.front.empty()) config.sampling_s = 0.2;  // the prediction's
+  if (!out.front.empty()) config.sampling_s = 0.2;  // as in the prediction, which comes first
   out.generated = generate_trajectory(config, request);
   return out;
 }

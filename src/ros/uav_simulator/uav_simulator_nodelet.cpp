@@ -16,9 +16,9 @@ namespace voxnav_ros {
 
 using voxnav_simulation::Uav;
 
-/// Stands in for the MRS nodes and owns /clock. A thread of its own advances the vehicle on the wall clock (nothing
-/// here may wait for simulated time); commands arrive on the manager's threads and are answered also while time stands
-/// still.
+/// The nodelet that stands in for the MRS nodes and owns /clock. A thread of its own advances the vehicle on the wall
+/// clock, so nothing here may wait for simulated time. Commands arrive on the manager's threads and are answered also
+/// while time stands still.
 class UavSimulatorNodelet : public NodeletBase {
  public:
   UavSimulatorNodelet() : NodeletBase("UavSimulator") {}
@@ -75,7 +75,7 @@ class UavSimulatorNodelet : public NodeletBase {
     voxnav::base::StampNs stamp_ns = uav_->stamp_ns();
     while (is_running_ && ros::ok()) {
       const auto next_ns = stamp_ns + steps * voxnav_simulation::kStep_ns;
-      // Nodes that start while time stands still need a clock as well.
+      // Nodes that start while time stands still wait for a clock, so the present time is sent again.
       pacer_->wait(next_ns, [&] { outputs_->publish_clock(stamp_ns); });
       if (!is_running_) return;
       {
@@ -115,7 +115,8 @@ class UavSimulatorNodelet : public NodeletBase {
     diagnostics().set_counter("lockstep_left_behind", num_left_behind_);
   }
 
-  /// In lock-step a flight starts when everybody is there, so that it does not depend on how fast they start.
+  /// Why the vehicle may not take off yet; empty when it may. In lock-step a flight begins when all nodes are there, so
+  /// that it does not depend on how fast they start.
   std::string take_off_refusal() const {
     std::string names;
     for (const std::string& name : pacer_->unseen()) names += (names.empty() ? "" : ", ") + name;

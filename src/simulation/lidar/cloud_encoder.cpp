@@ -14,7 +14,7 @@ struct Layout {
   std::uint32_t point_step;
   bool is_dense;
   bool has_times;
-  std::uint32_t intensity, t, reflectivity, ring, ambient, range;  // offsets; x y z are at 0 4 8
+  std::uint32_t intensity, t, reflectivity, ring, ambient, range;  // offsets in bytes; x, y, z lie at 0, 4, 8
 };
 
 // The Ouster driver copies its aligned point structure as it lies in memory; Gazebo's plugin packs its fields.

@@ -16,7 +16,7 @@ struct BeamTable {
   int beams;
   double vertical_fov_rad;
 };
-// From the data sheets; Ouster's first generation for the OS1-16 that MRS UAVs carry.
+// Figures of the data sheets; for the OS1-16, which MRS UAVs carry, of Ouster's first generation.
 const std::map<BeamModel, BeamTable> kBeamTables{
     {BeamModel::kOs0With128, {128, 90.0 * kDegree}}, {BeamModel::kOs0With64, {64, 90.0 * kDegree}},
     {BeamModel::kOs0With32, {32, 90.0 * kDegree}},   {BeamModel::kOs1With16, {16, 33.2 * kDegree}},

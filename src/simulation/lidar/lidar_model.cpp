@@ -16,16 +16,16 @@ constexpr double kNanosecondsPerSecond = 1e9;
 // Ground and bark are rough: a beam that grazes them meets facets that face it.
 constexpr float kRoughShare = 0.15F;
 
-/// Independent numbers of one beam are drawn under different keys.
+/// Keys under which one beam draws its numbers, so that these are independent of each other.
 enum Draw : std::uint64_t { kRangeDraw = 1, kSignalDraw = 2, kDropoutDraw = 3, kGhostDraw = 4 };
 
 std::uint64_t draw(std::uint64_t key, Draw which) { return mix_bits(key + which); }
 
-/// In [0, 1), from the upper or lower half of a draw.
+/// A number in [0, 1), made from the upper or the lower half of a draw.
 float upper_uniform(std::uint64_t bits) { return static_cast<float>(bits >> 40) * 0x1.0p-24F; }
 float lower_uniform(std::uint64_t bits) { return static_cast<float>(bits & 0xFFFFFFU) * 0x1.0p-24F; }
 
-/// Standard normal, cut at 3.46: the sum of four uniform numbers, at a fraction of the cost of a logarithm.
+/// A nearly standard normal number, never beyond 3.46: the sum of four uniform numbers costs a fraction of a logarithm.
 float normal(std::uint64_t bits) {
   const auto sum =
       static_cast<float>((bits & 0xFFFFU) + ((bits >> 16) & 0xFFFFU) + ((bits >> 32) & 0xFFFFU) + (bits >> 48));
@@ -43,7 +43,7 @@ LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
   const double azimuth = config_.sun_azimuth_rad, elevation = config_.sun_elevation_rad;
   sun_W_ = Vec3f(static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
                  static_cast<float>(std::cos(elevation) * std::sin(azimuth)), static_cast<float>(std::sin(elevation)));
-  // Half a turn means every beam, also where rounding puts a cosine just below -1.
+  // An opening of half a turn means every beam, also one whose cosine was rounded to just below -1.
   cos_sun_half_angle_ =
       config_.sun_half_angle_rad > 3.14 ? -2.0F : static_cast<float>(std::cos(config_.sun_half_angle_rad));
   const OwnBody body(config_);

@@ -7,11 +7,12 @@
 
 namespace voxnav_simulation {
 
-/// Parts of the UAV as its own sensor sees them. They move with the sensor, so every beam's range is known beforehand.
+/// The parts of the UAV as its own sensor sees them. They move with the sensor, so that the range of every beam to them
+/// is known beforehand.
 class OwnBody {
  public:
   explicit OwnBody(const LidarConfig& config);
-  /// First hit along a unit direction from the sensor's origin; infinite when there is none.
+  /// Range to the first part along a unit direction from the sensor's origin; infinite when there is none.
   double range_m(const Vec3& direction_L) const;
 
  private:

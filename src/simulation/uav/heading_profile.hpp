@@ -7,8 +7,8 @@
 
 namespace voxnav_simulation {
 
-/// Headings for positions given every fine step, within the heading limits: what the request wants is followed by a
-/// limited tracker. Positions are extended by their last one until the heading has arrived.
+/// Headings for positions given every fine step, within the heading limits: a tracker with these limits follows the
+/// headings that the request wants. The last position is repeated until the heading has arrived.
 /// @param waypoint_steps  step at which each of `waypoints` is passed
 std::vector<double> heading_profile(const PathRequest& request, const std::vector<HeadedPoint>& waypoints,
                                     const TrackerAxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,

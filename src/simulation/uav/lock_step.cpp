@@ -8,7 +8,7 @@ namespace {
 
 using voxnav::base::StampNs;
 
-/// More reports than this are never on their way before their announcements.
+/// Far more reports than ever overtake their announcements; older ones are forgotten.
 constexpr std::size_t kMaxBegun = 1000;
 
 }  // namespace

@@ -26,7 +26,7 @@ double SmoothingWindows::mean_s() const {
 std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half) {
   const std::size_t width = 2 * static_cast<std::size_t>(half) + 1;
   if (in.size() < width) return {};
-  // Relative to the first sample, so that large coordinates cost no precision.
+  // Sums are taken relative to the first sample, so that large coordinates cost no precision.
   const Vec3 origin = in.front();
   std::vector<Vec3> sums(in.size() + 1, Vec3::Zero());
   for (std::size_t i = 0; i < in.size(); ++i) sums[i + 1] = sums[i] + (in[i] - origin);

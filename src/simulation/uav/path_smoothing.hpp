@@ -12,8 +12,8 @@ constexpr double kFineStep_s = 0.01;
 /// Half widths, in fine steps, of the two windows positions are averaged over.
 struct SmoothingWindows {
   SmoothingWindows(const TrackerLimits& limits, double max_deviation_m);
-  int velocity_steps;      ///< bounds acceleration at corners
-  int acceleration_steps;  ///< bounds jerk
+  int velocity_steps;      ///< window that bounds the acceleration at corners
+  int acceleration_steps;  ///< window that bounds the jerk
   int steps() const { return velocity_steps + acceleration_steps; }
   double width_s() const { return (2 * velocity_steps + 1) * kFineStep_s; }
   double half_s() const { return steps() * kFineStep_s; }
@@ -21,10 +21,11 @@ struct SmoothingWindows {
   double mean_s() const;
 };
 
-/// Averages over 2 * half + 1 neighbours; the result is shorter by 2 * half.
+/// Averages over 2 * half + 1 neighbours. @return 2 * half samples fewer than were given
 std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half);
 
-/// For each sample, the share of the present speed that would respect acceleration and jerk limits (1 = fine).
+/// For each sample, the share of the present speed that would respect acceleration and jerk limits (1 where they are
+/// respected already).
 std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const TrackerLimits& limits);
 
 }  // namespace voxnav_simulation

@@ -109,7 +109,7 @@ bool SpeedProfile::solve(double start_speed) {
     const double room = 2 * nodes_[i - 1].acceleration * length;
     const double before = std::pow(nodes_[i - 1].speed, 2);
     nodes_[i].speed = std::min(nodes_[i].speed, std::sqrt(before + room));
-    // Faster than allowed at the start: brake as hard as allowed, and see whether that is enough.
+    // The vehicle is faster than allowed at the start: it brakes as hard as allowed, which may or may not be enough.
     const double slowest = std::sqrt(std::max(0.0, before - room * (1 + 1e-9)));
     if (nodes_[i].speed < slowest - 1e-6) {
       if (nodes_[i].is_vertex || nodes_[i].cap < 0.05) return false;
@@ -121,7 +121,7 @@ bool SpeedProfile::solve(double start_speed) {
 
 std::vector<SpeedProfile::Sample> SpeedProfile::sample(double dt_s, double dwell_s, std::size_t max_samples) const {
   std::vector<Sample> out;
-  double time = 0;  // of the node that begins the interval
+  double time = 0;  // at the node that begins the interval
   std::size_t next = 0;
   for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
     const Node& a = nodes_[i];

@@ -8,11 +8,11 @@
 namespace voxnav_simulation {
 namespace {
 
-constexpr double kTolerance = 1e-3;     ///< of limits, for rounding
-constexpr double kMinSegment_m = 1e-3;  ///< nearer waypoints are one
-constexpr double kBrakingShare = 0.55;  ///< of the acceleration, for the distance to brake before the path
-constexpr double kStraight = 0.03;      ///< smaller turns need no reserve
-constexpr double kCornerShare = 0.75;   ///< of the acceleration, as a first guess of the speed at corners
+constexpr double kTolerance = 1e-3;     ///< share by which limits may be exceeded, for rounding
+constexpr double kMinSegment_m = 1e-3;  ///< waypoints that are nearer to each other count as one
+constexpr double kBrakingShare = 0.55;  ///< share of the acceleration used to brake before the path begins
+constexpr double kStraight = 0.03;      ///< turns smaller than this need no reserve of acceleration
+constexpr double kCornerShare = 0.75;   ///< share of the acceleration in the first guess of the speed at corners
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::vector<Vec3> Generator::vertices(double braking_ratio, std::vector<std::siz
 double Generator::corner_speed(const Polyline& path, std::size_t vertex) const {
   Vec3 before = vertex > 0 ? path.direction(vertex - 1) : velocity_;
   if (vertex == 0 && before.norm() > 1e-9) before.normalize();
-  const Vec3 change = path.direction(vertex) - before;  // of velocity, per speed
+  const Vec3 change = path.direction(vertex) - before;  // change of velocity per unit of speed
   const double turn = 0.5 * change.norm();
   if (turn < 1e-6) return limits_.horizontal.speed + limits_.ascending.speed + velocity_.norm();
   const double budget = kCornerShare * windows_.width_s();
@@ -84,7 +84,7 @@ bool Generator::fly(const Polyline& path, const SpeedProfile& profile, Attempt* 
   return true;
 }
 
-/// Share of the present speed that would respect every limit, per sample of the attempt.
+/// For each sample of the attempt, the share of its present speed that would respect every limit.
 std::vector<double> Generator::check(const Polyline& path, Attempt* attempt) const {
   std::vector<double> ratios = limit_ratios(attempt->positions, limits_);
   const auto window = 2 * static_cast<std::size_t>(windows_.steps());
@@ -109,7 +109,7 @@ std::vector<double> Generator::check(const Polyline& path, Attempt* attempt) con
   return ratios;
 }
 
-/// Lowers the speed wherever samples break a limit. False when there is nothing to lower.
+/// Lowers the speed wherever samples break a limit. @return false when nothing had to be lowered
 bool Generator::slow_down(const std::vector<double>& ratios, const Attempt& attempt, SpeedProfile* profile) const {
   const auto window = 2 * static_cast<std::size_t>(windows_.steps());
   bool has_changed = false;

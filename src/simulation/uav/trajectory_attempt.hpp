@@ -13,7 +13,7 @@ namespace voxnav_simulation {
 
 /// Everything about one attempt to fly the waypoints.
 struct Attempt {
-  std::vector<Vec3> positions;  ///< every fine step, after smoothing
+  std::vector<Vec3> positions;  ///< smoothed positions, one per fine step
   std::vector<SpeedProfile::Sample>
       raw;  ///< raw[i + 2 * half] is averaged into positions[i] .. positions[i + 4 * half]
   std::vector<std::size_t> waypoint_vertices;
@@ -54,9 +54,9 @@ class Generator {
   double deviation_m_;
   SmoothingWindows windows_;
   std::vector<HeadedPoint> waypoints_;
-  std::vector<Vec3> lead_;        ///< fine samples in which the start acceleration goes to zero
-  Vec3 start_ = Vec3::Zero();     ///< after that
-  Vec3 velocity_ = Vec3::Zero();  ///< at start_
+  std::vector<Vec3> lead_;        ///< fine samples during which the acceleration of the start goes to zero
+  Vec3 start_ = Vec3::Zero();     ///< position at the end of lead_
+  Vec3 velocity_ = Vec3::Zero();  ///< velocity at start_
 };
 
 }  // namespace voxnav_simulation

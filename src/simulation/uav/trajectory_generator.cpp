@@ -68,7 +68,7 @@ void Generator::settle_acceleration() {
 std::optional<Attempt> Generator::attempt(double braking_ratio, bool stop_everywhere, bool* is_too_long) const {
   Attempt out;
   const Polyline path(vertices(braking_ratio, &out.waypoint_vertices));
-  if (path.vertices().size() < 2) {  // nothing to fly but the smoothing's own length
+  if (path.vertices().size() < 2) {  // only the length that smoothing adds is flown
     const auto half = static_cast<std::size_t>(windows_.steps());
     if (velocity_.norm() > 1e-3) return std::nullopt;
     out.raw.assign(2 * half + 1, {path.vertices().front(), 0, 0});
@@ -108,7 +108,8 @@ std::optional<Attempt> Generator::best_attempt(GeneratedTrajectory* out) const {
   return attempt(1.0, true, &is_too_long);
 }
 
-/// Fine step at which each waypoint is nearest: averages are centred, so it is when the unsmoothed point is there.
+/// The fine step at which the trajectory is nearest to each waypoint. Averages are centred, so that this is the step at
+/// which the unsmoothed point is there.
 std::vector<std::size_t> Generator::waypoint_steps(const Attempt& attempt, std::size_t offset) const {
   const auto half = static_cast<std::size_t>(windows_.steps());
   std::vector<std::size_t> out;
@@ -147,7 +148,7 @@ void Generator::finish(const Attempt& attempt, GeneratedTrajectory* out) const {
 }
 
 GeneratedTrajectory generate_trajectory(const TrajectoryGeneratorConfig& config, const PathRequest& request) {
-  // Wide windows take corners faster, narrow ones start and stop faster.
+  // Wide windows take corners faster and narrow ones start and stop faster, so both are tried.
   GeneratedTrajectory wide = Generator(config, request, 1.0).run();
   if (!wide.is_valid) return wide;
   GeneratedTrajectory narrow = Generator(config, request, 0.2).run();

@@ -41,7 +41,7 @@ Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig&
   imu_.accel = Vec3(0, 0, kGravity);
 }
 
-/// On the ground the truth stands still and the estimate drifts.
+/// While the vehicle stands on the ground its true pose stays and its estimate drifts.
 void Uav::stand() {
   KinematicState state;
   state.position = standing_W_ + drift_.position();
@@ -64,7 +64,7 @@ void Uav::step() {
   update_phase();
 }
 
-/// Truth and estimate from the tracker's state and the drift.
+/// Sets the true and the estimated state, which follow from the tracker's state and the drift.
 void Uav::place(double dt_s) {
   const KinematicState s = tracker_.state();
   const bool is_idle = phase_ == FlightPhase::kIdle;
@@ -111,7 +111,7 @@ void Uav::update_phase() {
   if (phase_ != FlightPhase::kLanding) return;
   const double above_m = height_m().value_or(config_.standing_height_m) - config_.standing_height_m;
   if (above_m > 0.02 || tracker_.state().velocity.norm() > 0.1) {
-    // The estimate drifts on the way down, so that the goal is aimed at again.
+    // The estimate drifts on the way down, so the place to land at has to be aimed at anew.
     HeadedPoint goal = tracker_.goal();
     const double goal_z = tracker_.state().position.z() - above_m;
     if (above_m < 0.5 && std::abs(goal.position.z() - goal_z) > 0.005) {
@@ -151,7 +151,7 @@ CommandResult Uav::take_off() {
 CommandResult Uav::land() {
   if (phase_ == FlightPhase::kIdle) return refused("not flying");
   if (phase_ == FlightPhase::kLanding) return refused("already landing");
-  // The brake comes with the approach law: the horizontal goal is where the vehicle would stop.
+  // The approach law brakes by itself, so the horizontal goal is where the vehicle would come to a stop.
   const KinematicState s = tracker_.state();
   const double a = tracker_.limits().horizontal.acceleration;
   const Vec3 horizontal(s.velocity.x(), s.velocity.y(), 0);

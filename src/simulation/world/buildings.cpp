@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kWallThicknessM = 0.25;
 constexpr double kBuildingGapM = 3.0;
-constexpr double kFoundationM = 2.0;  // reaches below sloping ground
+constexpr double kFoundationM = 2.0;  // walls reach this far below the floor, so that no gap shows on slopes
 
 /// A box whose floor is `kFoundationM` below and whose top is `height_m` above the origin of T_W_building.
 void append_block(Mesh* mesh, const Pose& T_W_building, const Vec3& size_m) {

@@ -37,7 +37,7 @@ Sphere icosahedron() {
   return out;
 }
 
-/// Splits each face in four.
+/// Splits each face into four, whose new corners are moved out onto the sphere.
 Sphere subdivided(const Sphere& in) {
   Sphere out{in.corners, {}};
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;

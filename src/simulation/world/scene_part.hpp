@@ -10,7 +10,7 @@
 
 namespace voxnav_simulation {
 
-/// Owner of Embree's device.
+/// The device that Embree needs for everything it builds; shared by all parts of a scene.
 struct Scene::Device {
   Device();
   ~Device();
@@ -20,7 +20,7 @@ struct Scene::Device {
   RTCDevice handle;
 };
 
-/// One mesh with its search tree. Never changes after construction. `mesh` must outlive it.
+/// One mesh with its search tree, which never changes after construction. `mesh` must outlive it.
 struct Scene::Part {
   Part(std::shared_ptr<Device> device, const Mesh& mesh, const Pose& T_W_part);
   ~Part();
@@ -37,7 +37,7 @@ struct Scene::Part {
   Pose T_W_part;
   RTCScene scene;
   RTCGeometry geometry;
-  const float* vertices;  ///< as Embree holds them, in W
+  const float* vertices;  ///< the buffer that Embree owns, in W
 };
 
 }  // namespace voxnav_simulation

@@ -60,7 +60,7 @@ Terrain::Terrain(const WorldConfig& config, std::uint64_t seed)
 
 std::optional<double> Terrain::height(double x, double y) const {
   const double gx = (x - min_x_) / cell_m_, gy = (y - min_y_) / cell_m_;
-  // Written so that NaN is outside as well.
+  // The comparison is written so that NaN lies outside as well.
   if (!(gx >= 0.0 && gy >= 0.0 && gx <= num_x_ - 1 && gy <= num_y_ - 1)) return std::nullopt;
   const int ix = std::min(static_cast<int>(gx), num_x_ - 2), iy = std::min(static_cast<int>(gy), num_y_ - 2);
   const double u = gx - ix, v = gy - iy;

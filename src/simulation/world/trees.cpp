@@ -15,9 +15,9 @@ constexpr double kRootDepthM = 0.4;  // trunks reach below the ground, so that n
 constexpr double kTopRadiusRatio = 0.3;
 
 struct Tree {
-  Rod trunk;  ///< from the ground to the top
+  Rod trunk;  ///< axis and radius from the ground to the top
   double height_m;
-  double crown_base_m;  ///< along the trunk
+  double crown_base_m;  ///< length along the trunk at which the crown begins
   double crown_radius_m;
   bool is_conifer;
 
@@ -25,7 +25,7 @@ struct Tree {
   double radius_at(double along_m) const {
     return trunk.radius_a_m + (trunk.radius_b_m - trunk.radius_a_m) * along_m / height_m;
   }
-  /// Reach of the crown at a height along the trunk.
+  /// Radius of the crown at a length along the trunk.
   double crown_reach(double along_m) const {
     const double t = std::clamp((along_m - crown_base_m) / (height_m - crown_base_m), 0.0, 1.0);
     if (is_conifer) return crown_radius_m * (1.0 - 0.95 * t);
