@@ -96,6 +96,10 @@ void bind_planning(py::module_& m) {
   bind_words<UnknownPolicy>(m, "UnknownPolicy", "What a search may do in unknown cells.");
   bind_plan_result(m);
   bind_corridor(m);
+  py::class_<StopFlag>(m, "StopFlag", "Ends a search from outside. Thread-safe.")
+      .def(py::init<>())
+      .def("raise_", &StopFlag::raise)
+      .def_property_readonly("is_raised", &StopFlag::is_raised);
   bind_config<AStarConfig>(m, "AStarConfig", "Rules and limits of a search.");
   py::class_<AStarPlanner>(m, "AStarPlanner",
                            "Bounded A* on voxels: 26 neighbours, no corner cutting, octile heuristic.")

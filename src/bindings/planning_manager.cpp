@@ -59,13 +59,12 @@ void bind_outcome(py::module_& m) {
 }
 
 PlanOutcome plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config, const py::object& map,
-                     const py::object& start_O, const py::object& goal_O, const LimitValues& values) {
+                     const py::object& start_O, const py::object& goal_O, const LimitValues& limits,
+                     const planning::StopFlag* stop) {
   const auto view = view_of(map, planner.config().safety_distance_m);
-  const geometry::Vec3 start = vec3_of(start_O, "start_O");
-  const geometry::Vec3 goal = vec3_of(goal_O, "goal_O");
-  const planning::DynamicsLimits limits = limits_of(values);
+  const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits), stop};
   py::gil_scoped_release release;
-  return run_plan_job(planner, config, *view, start, goal, limits);
+  return run_plan_job(planner, config, *view, task);
 }
 
 SafePart safe_part_of(const PlanningManagerConfig& config, const std::shared_ptr<OccupancyView>& view,
@@ -104,8 +103,9 @@ void bind_planning_manager(py::module_& m) {
   bind_outcome(m);
   bind_safe_part(m);
   m.def("run_plan_job", &plan_job, py::arg("planner"), py::arg("config"), py::arg("view"), py::arg("start_O"),
-        py::arg("goal_O"), py::arg("limits"),
-        "Search a way and cut it to known free space and the longest flight time; releases the GIL.");
+        py::arg("goal_O"), py::arg("limits"), py::arg("stop") = nullptr,
+        "Search a way and cut it to known free space and the longest flight time; releases the GIL.\n\n"
+        "stop: StopFlag that ends the search in the place of the planner's timeout_s.");
 }
 
 }  // namespace voxnav::bindings

@@ -18,8 +18,10 @@ Parameters = Dict[str, Dict[str, List[Dict[str, Any]]]]
 RUNNER = "map_bag"
 PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     "planning_manager": {"node": voxnav.PlanningNodeConfig, "manager": voxnav.PlanningManagerConfig,
-                         "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig},
-    "submap_optimizer": {"node": voxnav.OptimizerConfig, "graph": voxnav.SubmapGraphConfig},
+                         "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig,
+                         "time": voxnav.TimeConfig},
+    "submap_optimizer": {"node": voxnav.OptimizerConfig, "graph": voxnav.SubmapGraphConfig,
+                         "time": voxnav.TimeConfig},
     RUNNER: SECTIONS,
 }
 

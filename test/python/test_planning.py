@@ -103,7 +103,8 @@ def test_navigation_map_changes_follow_each_other_without_a_gap():
     assert nav.apply_local(5, 0.4, removed=gone, **empty) == voxnav.Applied.NEEDS_SNAPSHOT
     assert nav.apply_local(3, 0.2, removed=gone, **empty) == voxnav.Applied.NEEDS_SNAPSHOT
     answers = [nav.apply_local(1, 0.4, removed=gone, **empty) for _ in range(10)]
-    assert answers[0] == voxnav.Applied.IGNORED and answers[-1] == voxnav.Applied.NEEDS_SNAPSHOT, "a source that starts anew is noticed"
+    assert answers[0] == voxnav.Applied.IGNORED
+    assert answers[-1] == voxnav.Applied.NEEDS_SNAPSHOT, "a source that starts anew is noticed"
     with pytest.raises(ValueError):
         nav.apply_local(3, 0.4, block_indices=np.array([[0, 0, 0]], dtype=np.int32), states=b"123",
                         removed=gone, is_snapshot=False)

@@ -37,7 +37,6 @@ struct OptimizerConfig {
   double tf_rate_hz = 10.0;
   int max_trajectory_poses = 2000;
   int max_marker_lines = 2000;
-  std::vector<std::string> lockstep_consumers{};
 
   template <class V>
   static void fields(V&& v) {
@@ -69,8 +68,6 @@ struct OptimizerConfig {
     v("max_trajectory_poses", &C::max_trajectory_poses, in(10, 1000000), "",
       "poses of ~trajectory_out; thinned beyond");
     v("max_marker_lines", &C::max_marker_lines, in(1, 1000000), "", "constraints drawn, newest submaps first");
-    v("lockstep_consumers", &C::lockstep_consumers, base::any(), "",
-      "nodes that take submap poses: in lock-step simulated time waits for them too");
   }
 };
 

@@ -9,6 +9,8 @@ namespace voxnav::pipeline {
 /// unknown space may be planned through, because only the known free part of a plan is ever flown.
 struct FlightSearchConfig : planning::AStarConfig {
   FlightSearchConfig() {
+    // What 0.6 s are enough for on a small computer: the work bounds a search, not the load of the machine.
+    max_expansions = 300000;
     timeout_s = 0.6;
     clearance_distance_m = 2.0;
     unknown_policy = planning::UnknownPolicy::kOptimisticFar;

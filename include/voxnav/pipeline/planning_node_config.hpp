@@ -19,8 +19,6 @@ struct PlanningNodeConfig {
   double status_rate_hz = 5.0;
   double service_timeout_s = 2.0;
   double generator_time_s = 0.3;
-  bool is_synchronous = false;
-  double synchronous_lag_s = 0.1;
   bool keep_goal_over_restart = true;
 
   template <class V>
@@ -32,16 +30,12 @@ struct PlanningNodeConfig {
       "false: there is no optimiser, W is the odometry frame");
     v("required_nodes", &C::required_nodes, base::any(), "",
       "nodes whose diagnostics must be heard; the vehicle hovers without them");
-    v("heartbeat_timeout_s", &C::heartbeat_timeout_s, in(1.5, 60), "s", "of wall time, without diagnostics of a node");
+    v("heartbeat_timeout_s", &C::heartbeat_timeout_s, in(1.5, 60), "s", "without diagnostics of a node");
     v("main_rate_hz", &C::main_rate_hz, in(1, 200), "Hz", "state machine");
     v("check_rate_hz", &C::check_rate_hz, in(1, 100), "Hz", "corridor check");
     v("status_rate_hz", &C::status_rate_hz, in(0.1, 50), "Hz", "status and markers");
-    v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "of wall time, for an answer of any service");
+    v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "for an answer of any service");
     v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time asked of the trajectory generator");
-    v("is_synchronous", &C::is_synchronous, base::any(), "",
-      "for lock-step simulation, where time waits: everything is done once per local map, with what is known then");
-    v("synchronous_lag_s", &C::synchronous_lag_s, in(0, 10), "s",
-      "simulated time waits this long after the stamp of a local map: the length of a sweep");
     v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
       "a restarted node takes up the goal that it was flying to");
   }

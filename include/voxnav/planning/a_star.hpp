@@ -4,6 +4,7 @@
 #include "voxnav/planning/a_star_config.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 #include "voxnav/planning/plan_result.hpp"
+#include "voxnav/planning/stop_flag.hpp"
 
 namespace voxnav::planning {
 
@@ -21,8 +22,10 @@ class AStarPlanner {
 
   /// @param view must not change during the call
   /// @param start, goal in the view's frame [m]; not finite gives kInvalidInput
+  /// @param stop ends the search once it is raised, in the place of timeout_s; null: timeout_s of wall time does
   /// @note O(n log n) in expanded cells; growing obstacles costs O(radius) per touched cell
-  PlanResult plan(const OccupancyView& view, const geometry::Vec3& start, const geometry::Vec3& goal) const;
+  PlanResult plan(const OccupancyView& view, const geometry::Vec3& start, const geometry::Vec3& goal,
+                  const StopFlag* stop = nullptr) const;
 
   const AStarConfig& config() const { return config_; }
 

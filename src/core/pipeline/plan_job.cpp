@@ -61,19 +61,18 @@ std::string too_short(const SafeLength& safe) {
 }  // namespace
 
 PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config,
-                         const planning::OccupancyView& view, const Vec3& start_O, const Vec3& goal_O,
-                         const planning::DynamicsLimits& limits) {
+                         const planning::OccupancyView& view, const PlanTask& task) {
   PlanOutcome out;
-  out.plan = planner.plan(view, start_O, goal_O);
+  out.plan = planner.plan(view, task.start_O, task.goal_O, task.stop);
   if (out.plan.path.empty()) {
     out.problem = explain(out.plan.status);
     return out;
   }
-  const std::vector<Vec3> line = exact_line(out.plan, start_O, goal_O);
+  const std::vector<Vec3> line = exact_line(out.plan, task.start_O, task.goal_O);
   const SafeLength safe = safe_length(config, view, line);
   const double whole_m = planning::length_of(line);
   std::vector<Vec3> cut = safe.length_m >= whole_m ? line : planning::cut_at_length(line, safe.length_m);
-  cut = planning::cut_at_time(cut, limits, config.trajectory_deviation_m, config.max_flight_time_s);
+  cut = planning::cut_at_time(cut, task.limits, config.trajectory_deviation_m, config.max_flight_time_s);
   const double cut_m = planning::length_of(cut);
   const double end_gap_m = out.plan.status == planning::PlanStatus::kComplete ? 0.0 : out.plan.remaining_m;
   out.corridor_radius_m = safe.radius_m;

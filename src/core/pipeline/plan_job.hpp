@@ -20,11 +20,17 @@ struct PlanOutcome {
   std::string problem;             ///< why there are no waypoints, for a person
 };
 
+/// What is to be planned.
+struct PlanTask {
+  geometry::Vec3 start_O;
+  geometry::Vec3 goal_O;
+  planning::DynamicsLimits limits;           ///< must be valid
+  const planning::StopFlag* stop = nullptr;  ///< ends the search; null: the planner's own timeout does
+};
+
 /// Searches a way, then cuts it: to known free space with room to stop, and to the longest flight time.
 /// Takes as long as the search; safe to run in any thread.
-/// @param limits must be valid
 PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config,
-                         const planning::OccupancyView& view, const geometry::Vec3& start_O,
-                         const geometry::Vec3& goal_O, const planning::DynamicsLimits& limits);
+                         const planning::OccupancyView& view, const PlanTask& task);
 
 }  // namespace voxnav::pipeline

@@ -18,8 +18,9 @@ constexpr std::size_t kOpenEntryBytes = 24;
 /// Farther cells have no index; nothing is mapped there either.
 constexpr double kMaxCells = 1e9;
 
-SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin) {
+SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin, const StopFlag* stop) {
   SearchBudget budget;
+  budget.stop = stop;
   budget.deadline = begin + std::chrono::microseconds(std::llround(config.timeout_s * 1e6));
   budget.max_expansions = static_cast<std::uint64_t>(config.max_expansions);
   // A vector may need three times its size while it grows.
@@ -30,11 +31,12 @@ SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::tim
 /// One call of plan(): the steps from a start and a goal that may be anything to a path.
 class PlanCall {
  public:
-  PlanCall(const OccupancyView& view, const AStarConfig& config, const Vec3& start, const Vec3& goal)
+  PlanCall(const OccupancyView& view, const AStarConfig& config, const Vec3& start, const Vec3& goal,
+           const StopFlag* stop)
       : begin_(std::chrono::steady_clock::now()),
         view_(view),
         config_(config),
-        budget_(budget_of(config, begin_)),
+        budget_(budget_of(config, begin_, stop)),
         resolution_m_(view.resolution_m()),
         start_(start),
         goal_(goal),
@@ -162,10 +164,12 @@ class PlanCall {
 
 AStarPlanner::AStarPlanner(const AStarConfig& config) : config_(base::checked(config)) {}
 
-PlanResult AStarPlanner::plan(const OccupancyView& view, const Vec3& start, const Vec3& goal) const {
+PlanResult AStarPlanner::plan(const OccupancyView& view, const Vec3& start, const Vec3& goal,
+                              const StopFlag* stop) const {
   if (!start.allFinite() || !goal.allFinite()) return {};
   const Vec3 limit = Vec3::Constant(kMaxCells * view.resolution_m());
-  return PlanCall(view, config_, start.cwiseMin(limit).cwiseMax(-limit), goal.cwiseMin(limit).cwiseMax(-limit)).run();
+  return PlanCall(view, config_, start.cwiseMin(limit).cwiseMax(-limit), goal.cwiseMin(limit).cwiseMax(-limit), stop)
+      .run();
 }
 
 }  // namespace voxnav::planning

@@ -6,15 +6,18 @@
 
 #include "planning/search_space.hpp"
 #include "voxnav/planning/plan_result.hpp"
+#include "voxnav/planning/stop_flag.hpp"
 
 namespace voxnav::planning {
 
-/// Limits shared by all loops of one planning call. The clock bounds the effort; nothing else depends on it.
+/// Limits shared by all loops of one planning call. The flag, or the clock where there is none, bounds the effort;
+/// nothing else depends on it.
 struct SearchBudget {
+  const StopFlag* stop = nullptr;
   std::chrono::steady_clock::time_point deadline;
   std::uint64_t max_expansions = 0;
   std::size_t max_open = 0;
-  bool is_late() const { return std::chrono::steady_clock::now() >= deadline; }
+  bool is_late() const { return stop != nullptr ? stop->is_raised() : std::chrono::steady_clock::now() >= deadline; }
 };
 
 enum class SearchEnd { kGoal, kExhausted, kTimeout, kLimit };

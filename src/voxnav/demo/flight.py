@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
         demo_mission.fly(record, mission.goal_of(world), os.path.join(args.out, "map"),
-                         is_lockstep=args.lockstep)
+                         is_leader=args.lockstep)
         notes = show(args, env, record, rviz, config, mission.trunks(world))
     finally:
         if rviz:

@@ -13,8 +13,8 @@ from voxnav.nodes.time_leader import TimeLeader
 NODES_LIMIT_S = 120.0
 TAKE_OFF_LIMIT_S = 60.0
 FLIGHT_LIMIT_S = 420.0
-# Limits are wall time; lock-step may be that much slower than real time.
-LOCKSTEP_SLOWNESS = 10.0
+# Limits are wall time; a simulation that waits for its nodes may be that much slower than real time.
+WAITING_SLOWNESS = 10.0
 
 
 def wait_for_master(uri, timeout_s):
@@ -30,25 +30,25 @@ def wait_for_master(uri, timeout_s):
     raise MissionError("no ROS master with the parameter use_sim_time at %s" % uri)
 
 
-def fly(record, goal, map_dir, uav="uav1", is_lockstep=False):
+def fly(record, goal, map_dir, uav="uav1", is_leader=False):
     """Fly to goal (3,), given in the map frame, on the master of the environment.
 
-    is_lockstep: the simulator waits for this mission (its leader is "demo") and for the nodes.
+    is_leader: the simulator waits for this mission (its leader is "demo") and for the nodes.
     Whatever stops the mission ends up in record.reason; the map goes to the folder map_dir.
     """
     recorder = None
     try:
         wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
         rospy.init_node("demo", disable_signals=True)
-        leader = TimeLeader("demo") if is_lockstep else None
+        leader = TimeLeader("demo") if is_leader else None
         recorder = FlightRecorder(record, leader=leader)
         recorder.wait_for_nodes(NODES_LIMIT_S)
         recorder.take_off(TAKE_OFF_LIMIT_S)
-        recorder.fly_to(uav + "/voxnav_map", goal, FLIGHT_LIMIT_S * (LOCKSTEP_SLOWNESS if is_lockstep else 1.0))
+        recorder.fly_to(uav + "/voxnav_map", goal, FLIGHT_LIMIT_S * (WAITING_SLOWNESS if is_leader else 1.0))
         recorder.optimise(10.0)
     except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = str(error)
-    if is_lockstep:
+    if is_leader:
         leader.release()
     if recorder is not None:
         recorder.save_map(map_dir)

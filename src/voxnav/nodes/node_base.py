@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every rospy node of voxnav does the same way: start, diagnostics, progress."""
+"""What every rospy node of voxnav does the same way: start and diagnostics."""
 
 import contextlib
 import sys
@@ -9,7 +9,7 @@ import time
 import rospy
 
 import voxnav
-from voxnav.msg import NodeDiagnostics, Progress
+from voxnav.msg import NodeDiagnostics
 from voxnav.msg import StageStatistics as StageStatisticsMsg
 
 
@@ -73,22 +73,6 @@ class Diagnostics:
                 numbers.pop("median_ms")
                 out.stages.append(StageStatisticsMsg(name=name, **numbers))
         return out
-
-
-class ProgressPublisher:
-    """Tells the lock-step simulation that everything up to a stamp has been dealt with."""
-
-    def __init__(self, node):
-        self._node = node
-        self._publisher = rospy.Publisher("~progress_out", Progress, queue_size=50)
-
-    def publish(self, stamp):
-        self._publisher.publish(Progress(node=self._node, stamp=stamp))
-
-    def announce(self, nodes, stamp):
-        """These nodes are about to be sent something; they will report this stamp when they are done with it."""
-        for node in nodes:
-            self._publisher.publish(Progress(node=node, stamp=stamp, is_begun=True))
 
 
 def run_node(name, make_node):

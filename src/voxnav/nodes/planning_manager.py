@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The planning_manager node: rospy around voxnav.planning_manager, which decides everything."""
 
-import queue
 import threading
 
 import numpy as np
@@ -9,13 +8,13 @@ import rospy
 
 import voxnav
 from voxnav.msg import NodeDiagnostics
-from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
+from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
-from voxnav.nodes.planning_cycle import CycleClock, exact_time
 from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices
+from voxnav.nodes.time_seam import seam_for
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
 NAME = "planning_manager"
@@ -23,74 +22,40 @@ NAME = "planning_manager"
 KEPT_GOAL_AGE_S = 600.0
 
 
-class Worker:
-    """Runs actions one after the other in a thread of its own; newer ones wait in a short queue."""
-
-    def __init__(self, name, run):
-        self._run, self._queue = run, queue.Queue(maxsize=8)
-        threading.Thread(target=self._loop, name=name, daemon=True).start()
-
-    def submit(self, action):
-        try:
-            self._queue.put_nowait(action)
-        except queue.Full:
-            rospy.logerr_throttle(1.0, "[%s]: %s dropped, the worker is busy", NAME, action.name)
-
-    def _loop(self):
-        while not rospy.is_shutdown():
-            self._run(self._queue.get())
-
-
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits = load_sections(
+        node, manager, planner, limits, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
-            map=voxnav.NavigationMapConfig)
+            map=voxnav.NavigationMapConfig, time=voxnav.TimeConfig)
+        self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
-        self._planner = voxnav.AStarPlanner(planner.search_config())
+        self._planner, self._search_time_s = voxnav.AStarPlanner(planner.search_config()), planner.timeout_s
         self._map = voxnav.NavigationMap(limits)
         self._manager = PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
         self._lock = threading.RLock()  # guards the manager
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
-        self._clock = CycleClock(node.synchronous_lag_s)
-        self._waypoints, self._limits, self._last_now = np.zeros((0, 3)), None, 0.0
+        self._waypoints, self._last_now = np.zeros((0, 3)), 0.0
         self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
         self._diagnostics = Diagnostics(NAME)
-        self._progress = ProgressPublisher(NAME)
         self._output = PlanningOutput()
-        self._services = ControlServices(node, manager.trajectory_deviation_m)
+        self._services = ControlServices(node, manager.trajectory_deviation_m, self._seam)
         # Stopping must not wait behind a search or a generator.
-        self._thinker = Worker("thinker", self._answer)
-        self._commander = Worker("commander", self._answer)
-        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump,
-                                      self._cycle if node.is_synchronous else None)
+        self._thinker = self._seam.executor("thinker", self._answer)
+        self._commander = self._seam.executor("commander", self._answer)
+        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._seam)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
         self._resume_kept_goal()
-        for rate_hz, callback in ((node.main_rate_hz, self._tick), (node.check_rate_hz, self._check),
-                                  (node.status_rate_hz, self._show)):
-            rospy.Timer(rospy.Duration(1.0 / rate_hz), self._unless_cycling(callback), reset=True)
+        # What is flown is checked before anything new is begun, where the seam has them follow each other.
+        self._seam.every(node.check_rate_hz, self._check)
+        self._seam.every(node.main_rate_hz, self._tick)
+        self._seam.every(node.status_rate_hz, self._show)
 
     # Timers
 
-    def _unless_cycling(self, callback):
-        def timer(_):
-            if not self._config.is_synchronous or self._clock.is_map_missing():
-                callback()
-        return timer
-
-    def _cycle(self, map_stamp_s):
-        """Lock-step: all there is to do, at the instant at which simulated time waits for it."""
-        self._inputs.catch_up(map_stamp_s, self._clock.instant_of(map_stamp_s))
-        with self._clock.cycle(map_stamp_s):
-            self._check()
-            self._tick()
-            self._show()
-        self._progress.publish(exact_time(map_stamp_s))
-
     def _tick(self):
-        now = self._clock.now()
+        now = self._seam.now()
         if now.to_sec() < self._last_now - 1.0:
             rospy.logwarn("[%s]: the clock jumped back", NAME)
             self._inputs.reset()
@@ -105,18 +70,18 @@ class PlanningManagerNode:
         with self._diagnostics.time("check"):
             view = self._map.view()
             with self._lock:
-                actions = self._manager.check(view, self._clock.now().to_sec())
+                actions = self._manager.check(view, self._seam.now().to_sec())
             self._dispatch(actions)
 
     def _show(self):
         with self._lock:
             status = self._manager.status
-            path = self._manager.remaining_path(self._clock.now().to_sec())
+            path = self._manager.remaining_path(self._seam.now().to_sec())
         inputs = self._inputs
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
         waypoints = self._waypoints if status.goal_W is not None else path[:0]
-        self._output.publish(self._clock.now(), status, inputs, path, waypoints, position_W)
+        self._output.publish(self._seam.now(), status, inputs, path, waypoints, position_W)
         self._keep_goal(status.goal_W)
         self._report(status)
 
@@ -133,21 +98,21 @@ class PlanningManagerNode:
 
     def _set_goal(self, goal_W, heading_W):
         with self._lock:
-            problem = self._manager.set_goal(goal_W, heading_W, self._clock.now().to_sec())
+            problem = self._manager.set_goal(goal_W, heading_W, self._seam.now().to_sec())
         if not problem:
             rospy.loginfo("[%s]: goal (%.1f, %.1f, %.1f)", NAME, *goal_W)
         return problem
 
     def _stop(self):
         with self._lock:
-            actions = self._manager.stop("stopped by command", self._clock.now().to_sec())
+            actions = self._manager.stop("stopped by command", self._seam.now().to_sec())
         self._dispatch(actions)
         return "stopping"
 
     def _on_jump(self, reason):
         rospy.logwarn("[%s]: %s", NAME, reason)
         with self._lock:
-            actions = self._manager.frame_jumped(reason, self._clock.now().to_sec())
+            actions = self._manager.frame_jumped(reason, self._seam.now().to_sec())
         self._dispatch(actions)
 
     # Actions
@@ -157,12 +122,7 @@ class PlanningManagerNode:
             is_command = isinstance(action, (Hover, Publish))
             if is_command:
                 rospy.loginfo("[%s]: %s: %s", NAME, action.name, action.because.sentence)
-            if self._config.is_synchronous:
-                self._answer(action)
-            elif is_command:
-                self._commander.submit(action)
-            else:
-                self._thinker.submit(action)
+            (self._commander if is_command else self._thinker).submit(action)
 
     def _answer(self, action):
         """Do what is wanted and tell the manager; whatever goes wrong becomes a reason."""
@@ -174,7 +134,7 @@ class PlanningManagerNode:
             with self._diagnostics.time(action.name):
                 finish = self._doers[type(action)](action)
             with self._lock:
-                actions = finish(self._clock.now().to_sec())
+                actions = finish(self._seam.now().to_sec())
         except (ValueError, RuntimeError, rospy.ROSException) as error:
             rospy.logerr("[%s]: %s failed: %s", NAME, action.name, error)
             return
@@ -184,13 +144,15 @@ class PlanningManagerNode:
         view, limits = self._map.view(), self._inputs.limits
         if view is None or limits is None:
             raise ValueError("no map or no constraints")
-        outcome = voxnav.run_plan_job(self._planner, self._manager_config, view, action.start_O, action.goal_O, limits)
+        with self._seam.stop_after(self._search_time_s) as stop:
+            outcome = voxnav.run_plan_job(self._planner, self._manager_config, view, action.start_O, action.goal_O,
+                                          limits, stop)
         self._waypoints = outcome.waypoints_O
         return lambda now: self._manager.plan_done(action.job, outcome, now)
 
     def _do_generate(self, action):
         problem, trajectory = self._services.generate(action, self._inputs.odometry_frame,
-                                                      self._clock.now().to_sec())
+                                                      self._seam.now().to_sec())
         view = self._map.view()
         return lambda now: self._manager.generate_done(action.job, problem, trajectory, view, now)
 

@@ -16,6 +16,8 @@ import voxnav
 MAX_HANGING_CALLS = 3
 # MRS takes this step when a trajectory names none.
 DEFAULT_DT_S = 0.2
+# How often a call that has not been answered looks at the clock.
+POLL_S = 0.05
 # A start nearer than this is "now" to the MRS generator.
 MIN_LEAD_S = 0.25
 
@@ -27,8 +29,9 @@ class ServiceError(RuntimeError):
 class TimedService:
     """A service client whose calls end after a time, whatever the server does. Thread-safe."""
 
-    def __init__(self, name, service_class, timeout_s):
-        self._proxy = rospy.ServiceProxy(name, service_class)
+    def __init__(self, name, service_class, timeout_s, seam):
+        """seam: of voxnav.nodes.time_seam; measures the time."""
+        self._proxy, self._seam = rospy.ServiceProxy(name, service_class), seam
         self._timeout_s = timeout_s
         self._lock = threading.Lock()
         self._hanging = 0
@@ -41,13 +44,19 @@ class TimedService:
             self._hanging += 1
         answer = queue.Queue()
         threading.Thread(target=self._run, args=(request, answer), daemon=True).start()
-        try:
-            response, error = answer.get(timeout=self._timeout_s)
-        except queue.Empty:
-            raise ServiceError("%s does not answer" % self._proxy.resolved_name)
+        response, error = self._wait_for(answer)
         if error is not None:
             raise ServiceError(str(error))
         return response
+
+    def _wait_for(self, answer):
+        begin = self._seam.mark()
+        while True:
+            try:
+                return answer.get(timeout=POLL_S)
+            except queue.Empty:
+                if self._seam.elapsed_s(begin) > self._timeout_s or rospy.is_shutdown():
+                    raise ServiceError("%s does not answer" % self._proxy.resolved_name)
 
     def _run(self, request, answer):
         try:
@@ -62,12 +71,12 @@ class TimedService:
 class ControlServices:
     """Trajectory generator and control manager. Methods return a problem as text, '' when there is none."""
 
-    def __init__(self, config, deviation_m):
+    def __init__(self, config, deviation_m, seam):
         self._config, self._deviation_m = config, deviation_m
         timeout_s = config.service_timeout_s
-        self._get_path = TimedService("~get_path_out", GetPathSrv, timeout_s + config.generator_time_s)
-        self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s)
-        self._hover = TimedService("~hover_out", Trigger, timeout_s)
+        self._get_path = TimedService("~get_path_out", GetPathSrv, timeout_s + config.generator_time_s, seam)
+        self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s, seam)
+        self._hover = TimedService("~hover_out", Trigger, timeout_s, seam)
         self._input_id = 0
         self._generated, self._headings = None, []  # newest answer of the generator, if it was asked for headings
 

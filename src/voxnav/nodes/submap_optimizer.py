@@ -25,9 +25,10 @@ from visualization_msgs.msg import MarkerArray
 import voxnav
 from voxnav.msg import LoopClosure, NodeDiagnostics, OptimizerReport, Submap, SubmapPoses
 from voxnav.nodes import graph_messages
-from voxnav.nodes.node_base import Diagnostics, ProgressPublisher, run_node
+from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
 from voxnav.nodes.poses import transform_to_msg
+from voxnav.nodes.time_seam import ProgressPublisher
 from voxnav.optimizer_session import Height, OptimizerSession, aligned_pose, yaw_of
 from voxnav.srv import GetSubmaps
 
@@ -41,9 +42,10 @@ class SubmapOptimizer:
     """The node; see config/submap_optimizer.yaml for its parameters."""
 
     def __init__(self):
-        self._graph_config, self._config = load_sections(graph=voxnav.SubmapGraphConfig, node=voxnav.OptimizerConfig)
+        self._graph_config, self._config, time_config = load_sections(
+            graph=voxnav.SubmapGraphConfig, node=voxnav.OptimizerConfig, time=voxnav.TimeConfig)
         self._session = OptimizerSession(self._graph_config, self._config)
-        self._diagnostics, self._progress = Diagnostics(NAME), ProgressPublisher(NAME)
+        self._diagnostics, self._progress = Diagnostics(NAME), ProgressPublisher(time_config, NAME)
         self._kept_name = rospy.get_name() + "_kept_correction"
         self._jobs = queue.Queue(maxsize=self._config.max_queue)
         self._fixes = graph_messages.FixReader()
@@ -236,7 +238,7 @@ class SubmapOptimizer:
     def _publish(self, report, solve_s):
         frame, stamp, session = self._config.map_frame, self._latest_stamp, self._session
         with self._diagnostics.time("publish"):
-            self._progress.announce(self._config.lockstep_consumers, stamp)
+            self._progress.announce(stamp)
             self._poses_out.publish(graph_messages.poses_to_msg(session, stamp, frame))
             self._report_out.publish(graph_messages.report_to_msg(report, session, stamp, frame, solve_s))
             self._markers_out.publish(

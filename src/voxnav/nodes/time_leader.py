@@ -5,7 +5,7 @@ import time
 
 import rospy
 from voxnav.msg import Progress
-from voxnav.nodes.planning_cycle import exact_time
+from voxnav.nodes.time_seam import exact_time
 
 # The stamps at which the leader stops time are multiples of this: ends of sweeps at 10 and 20 Hz.
 STEP_S = 0.1

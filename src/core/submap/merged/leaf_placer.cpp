@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "submap/voxel_walk.hpp"
 
@@ -30,7 +31,7 @@ void LeafPlacer::enter(const Index3& block_G) {
   constexpr double kArc = 1.0;        // by which a turn leads out of the straight way between two times
   constexpr std::size_t kEvery = 32;  // times
   corner_G_ = Vec3(block_G.x, block_G.y, block_G.z) * kBlockSide;
-  Vec3 lowest = Vec3::Constant(1e18), highest = -lowest;
+  Vec3 lowest = Vec3::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
   for (std::size_t i = 0; i < frames_.size();
        i = i + 1 == frames_.size() ? i + 1 : std::min(i + kEvery, frames_.size() - 1)) {
     const Vec3 corner = frames_[i].T_W_G * corner_G_;

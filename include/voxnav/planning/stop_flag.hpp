@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+
+namespace voxnav::planning {
+
+/// Ends a search from outside, for whoever measures its time by a clock of his own. Thread-safe.
+class StopFlag {
+ public:
+  void raise() { is_raised_ = true; }
+  bool is_raised() const { return is_raised_; }
+
+ private:
+  std::atomic<bool> is_raised_{false};
+};
+
+}  // namespace voxnav::planning
