@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "kernels/processor.hpp"
 #include "content_builder.hpp"
+#include "kernels/processor.hpp"
 #include "submap/distance/distance_block.hpp"
 #include "voxnav/submap/submap.hpp"
 

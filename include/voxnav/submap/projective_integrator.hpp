@@ -125,7 +125,7 @@ class ProjectiveIntegrator {
   std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
   containers::NumberTable<geometry::Index3, geometry::Index3Hash> groups_;
   std::vector<geometry::Index3> group_cells_;  ///< of the groups, by number
-  std::uint32_t scan_ = 0;  ///< 30 bits, never 0
+  std::uint32_t scan_ = 0;                     ///< 30 bits, never 0
 };
 
 }  // namespace voxnav::submap

@@ -30,8 +30,8 @@ struct TurnedBlock {
   unsigned lowest;  ///< voxel of the window that is the lowest of the block
 };
 
-/// block[x + 16 y] |= the column of the window in which the centre of that column of the block lies. The window is made of
-/// rows of `row_length` columns, and the block lies inside it.
+/// block[x + 16 y] |= the column of the window in which the centre of that column of the block lies. The window is made
+/// of rows of `row_length` columns, and the block lies inside it.
 void add_turned_columns(const std::uint32_t* window, int row_length, const TurnedBlock& at, std::uint16_t* block);
 
 namespace reference {

@@ -119,8 +119,7 @@ VOXNAV_INLINE void measure(const VoxelWindow& window, float band, float scale, S
   splat_all(window, band, squared);
   take_free(window, band, scale, *squared, codes);
 }
-void measure_plain(const VoxelWindow& window, float band, float scale, SquaredDistances* squared,
-                   std::int16_t* codes) {
+void measure_plain(const VoxelWindow& window, float band, float scale, SquaredDistances* squared, std::int16_t* codes) {
   measure(window, band, scale, squared, codes);
 }
 VOXNAV_WIDE void measure_wide(const VoxelWindow& window, float band, float scale, SquaredDistances* squared,

@@ -46,8 +46,15 @@ VOXNAV_INLINE Vec<Floats> thinnest_direction(const Symmetric<Floats>& adj, Float
   const Symmetric<Floats> m = {adj.xx * scale, adj.yy * scale, adj.zz * scale,
                                adj.xy * scale, adj.xz * scale, adj.yz * scale};
   const Ints is_x = adj.xx >= largest, is_y = adj.yy >= largest;
-  Vec<Floats> v = {is_x ? m.xx : is_y ? m.xy : m.xz, is_x ? m.xy : is_y ? m.yy : m.yz,
-                   is_x ? m.xz : is_y ? m.yz : m.zz};
+  Vec<Floats> v = {is_x   ? m.xx
+                   : is_y ? m.xy
+                          : m.xz,
+                   is_x   ? m.xy
+                   : is_y ? m.yy
+                          : m.yz,
+                   is_x   ? m.xz
+                   : is_y ? m.yz
+                          : m.zz};
   // The share of other directions shrinks by the ratio of the two smallest spreads.
   for (int i = 0; i < 3; ++i) v = times(m, v);
   return v;
@@ -99,10 +106,9 @@ void fit_planes(const NeighborhoodBatch& batch, PlaneNormals* normals) {
 std::array<float, 3> reference::fit_plane(const Neighborhood& around) {
   const float count = around.sum[3], n = 1.0f / count;
   const Vec<float> mean{around.sum[0] * n, around.sum[1] * n, around.sum[2] * n};
-  const Symmetric<float> covariance{
-      around.squares[0] * n - mean.x * mean.x,  around.squares[1] * n - mean.y * mean.y,
-      around.squares[2] * n - mean.z * mean.z,  around.products[0] * n - mean.x * mean.y,
-      around.products[2] * n - mean.x * mean.z, around.products[1] * n - mean.y * mean.z};
+  const Symmetric<float> covariance{around.squares[0] * n - mean.x * mean.x,  around.squares[1] * n - mean.y * mean.y,
+                                    around.squares[2] * n - mean.z * mean.z,  around.products[0] * n - mean.x * mean.y,
+                                    around.products[2] * n - mean.x * mean.z, around.products[1] * n - mean.y * mean.z};
   const Symmetric<float> adj = adjugate(covariance);
   const float largest = std::max(adj.xx, std::max(adj.yy, adj.zz));
   if (!(count >= kMinPoints && largest > 0.0f)) return {};

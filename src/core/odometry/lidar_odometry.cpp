@@ -49,10 +49,7 @@ Pose upright(const Vec3& specific_force) {
 }  // namespace
 
 LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_L)
-    : config_(base::checked(config)),
-      T_B_L_(T_B_L),
-      map_(map_options(config)),
-      sigma_m_(config.initial_threshold_m) {}
+    : config_(base::checked(config)), T_B_L_(T_B_L), map_(map_options(config)), sigma_m_(config.initial_threshold_m) {}
 
 void LidarOdometry::add_imu(const ImuSample& sample) {
   ++counters_.imu_samples;

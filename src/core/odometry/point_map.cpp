@@ -242,8 +242,7 @@ std::size_t PointMap::num_points() const {
 }
 
 std::size_t PointMap::memory_bytes() const {
-  return points_.capacity() * sizeof(MapPoint) + voxels_.capacity() * sizeof(Voxel) +
-         numbers_.memory_bytes();
+  return points_.capacity() * sizeof(MapPoint) + voxels_.capacity() * sizeof(Voxel) + numbers_.memory_bytes();
 }
 
 }  // namespace voxnav::odometry

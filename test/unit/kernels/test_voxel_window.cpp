@@ -35,8 +35,8 @@ struct RandomWindow {
         const std::size_t row = kernels::VoxelWindow::row(y, z);
         first[row] = static_cast<std::uint16_t>(points.size());
         for (int x = -kWindowHalo; x < kWindowBlockSide + kWindowHalo; ++x) {
-          const float height = static_cast<float>(z) - 8.0f - slope_x * static_cast<float>(x - 8) -
-                               slope_y * static_cast<float>(y - 8);
+          const float height =
+              static_cast<float>(z) - 8.0f - slope_x * static_cast<float>(x - 8) - slope_y * static_cast<float>(y - 8);
           const bool is_occupied = std::abs(height) < 0.5f || share(rng) < clutter;
           const bool is_free = !is_occupied && height > 0.0f && share(rng) > clutter;
           if (is_free) free[row] |= 1u << (x + kWindowHalo);
