@@ -6,6 +6,7 @@
 #include "frames.hpp"
 #include "outputs.hpp"
 #include "pacer.hpp"
+#include "voxnav/Progress.h"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_simulation/scene.hpp"
