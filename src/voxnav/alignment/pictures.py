@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of an evaluated flight."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from voxnav.alignment.flight import Flight
+from voxnav.alignment.measure import Solved
+from voxnav.array_types import Array
 from voxnav.evaluation import align_se3
 from voxnav.plotting import pyplot
 
 
-def draw_errors(path, title, flight, solved):
+def draw_errors(path: str, title: str, flight: Flight, solved: Solved) -> None:
     """Tracks from above, and the error of each axis over time before and after."""
     figure, axes = pyplot().subplots(1, 2, figsize=(13, 5))
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
@@ -27,7 +34,7 @@ def draw_errors(path, title, flight, solved):
     _save(figure, path)
 
 
-def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
+def draw_trunks(path: str, surfaces: dict[str, Array], world: Any, center: Array, half_width_m: float = 9.0) -> None:
     """Surfaces between knee and crown around a place from above. surfaces: dict of title -> (n, 3) aligned points."""
     figure, axes = pyplot().subplots(1, len(surfaces), figsize=(7 * len(surfaces), 7))
     trunks = world.trunks()
@@ -46,7 +53,7 @@ def draw_trunks(path, surfaces, world, center, half_width_m=9.0):
     _save(figure, path)
 
 
-def draw_places(path, maps, world):
+def draw_places(path: str, maps: dict[str, tuple[Array, list[Array]]], world: Any) -> None:
     """What maps hold between knee and crown around some places. maps: dict of title -> ((n, 3) aligned points, list of
     (4, 2) corners of the places)."""
     figure, axes = pyplot().subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
@@ -66,7 +73,7 @@ def draw_places(path, maps, world):
     pyplot().close(figure)
 
 
-def _save(figure, path):
+def _save(figure: Any, path: str) -> None:
     figure.tight_layout()
     figure.savefig(path, dpi=90)
     pyplot().close(figure)

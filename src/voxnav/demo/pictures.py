@@ -1,26 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures of a flight."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from voxnav.array_types import Array
+from voxnav.demo.record import FlightRecord
 from voxnav.plotting import pyplot
 
 # The bands of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
 _SURFACE_BAND_M, _OBSTACLE_BAND_M = 1.2, 0.4
 
 
-def _near_level(points, level_m, band_m):
-    return points[np.abs(points[:, 2] - level_m) < band_m] if len(points) else points
+def _near_level(points: Array, level_m: float, band_m: float) -> Array:
+    near: Array = points[np.abs(points[:, 2] - level_m) < band_m] if len(points) else points
+    return near
 
 
-def _scatter_heights(figure, axes, points, size):
+def _scatter_heights(figure: Any, axes: Any, points: Array, size: float) -> None:
     order = np.argsort(points[:, 2])
     image = axes.scatter(points[order, 0], points[order, 1], c=points[order, 2], s=size, cmap="viridis", linewidths=0,
                          rasterized=True, label="surfaces near flight level", zorder=2)
     figure.colorbar(image, ax=axes, label="height [m]", shrink=0.7)
 
 
-def _draw_tracks(axes, record):
+def _draw_tracks(axes: Any, record: FlightRecord) -> None:
     for track, colour, style, label in ((record.odometry, "tab:orange", "-", "odometry"),
                                         (record.optimised, "tab:blue", "-", "optimised"),
                                         (record.truth, "black", "--", "true path")):
@@ -30,12 +37,12 @@ def _draw_tracks(axes, record):
         axes.plot(record.goal[0], record.goal[1], "r*", markersize=16, label="goal", zorder=5)
 
 
-def _flight_level(record):
+def _flight_level(record: FlightRecord) -> float | None:
     flown = record.flown_during_mission()[1]
     return float(np.median(flown[:, 2])) if len(flown) else None
 
 
-def top_view(path, record, trunks=None):
+def top_view(path: str, record: FlightRecord, trunks: Array | None = None) -> None:
     """Map, obstacles and path from above.
 
     trunks: (n, 3) x y radius in metres of the simulated world's trunks, drawn as truth, or None.

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Everything a mapping run leaves behind (DESIGN section 8)."""
 
+from __future__ import annotations
+
 import json
 import os
+from typing import Any
 
 import numpy as np
 
 from voxnav import evaluation, files
+from voxnav.array_types import Array, ArrayLike
 from voxnav.offline.report import write_report
+from voxnav.offline.runner import OfflineMapper
 from voxnav.plotting import PicturesUnavailable
 
 
-def write_outputs(mapper, directory, title, safety_distance_m, write_mesh, reference=None):
+def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_distance_m: float, write_mesh: bool,
+                  reference: tuple[Array, Array] | None = None) -> dict[str, Any]:
     """Write all files of a run; returns the metrics.
 
     reference: (stamps, positions) to measure trajectory errors against, or None.
@@ -47,7 +53,8 @@ def write_outputs(mapper, directory, title, safety_distance_m, write_mesh, refer
     return metrics
 
 
-def _errors(reference, stamps, odometry, optimised_stamps, optimised):
+def _errors(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array, optimised_stamps: Array,
+            optimised: Array) -> dict[str, float]:
     out = {}
     for name, times, poses in (("odometry", stamps, odometry), ("optimised", optimised_stamps, optimised)):
         try:
@@ -58,11 +65,12 @@ def _errors(reference, stamps, odometry, optimised_stamps, optimised):
     return out
 
 
-def _aligned(reference, stamps, odometry):
+def _aligned(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array) -> Array | None:
     """The reference in the frame of the run, for the picture."""
     target = evaluation.interpolate_positions(np.asarray(stamps), reference[0], reference[1])
     valid = np.all(np.isfinite(target), axis=1)
     if valid.sum() < 3:
         return None
     R, t = evaluation.align_se3(target[valid], odometry[valid, :3, 3])
-    return target[valid] @ R.T + t
+    aligned: Array = target[valid] @ R.T + t
+    return aligned

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``report.html``: one file with the pictures inside, so that it can be sent to somebody."""
 
+from __future__ import annotations
+
 import base64
 import html
 import io
+from typing import Any, Iterable, Sequence
 
 import numpy as np
 
+from voxnav.array_types import Array
 from voxnav.plotting import pyplot
 
 _STYLE = """body{font-family:sans-serif;max-width:1100px;margin:2em auto;color:#222}
@@ -14,14 +18,14 @@ table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;border-b
 td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
 
 
-def _image(figure):
+def _image(figure: Any) -> str:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=100, bbox_inches="tight")
     pyplot().close(figure)
     return '<img src="data:image/png;base64,%s">' % base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def map_figure(occupied, odometry, optimised, reference=None):
+def map_figure(occupied: Array, odometry: Array, optimised: Array, reference: Array | None = None) -> Any:
     """Map from above, coloured by height, with the trajectories. occupied: (n, 3) metres."""
     figure, axes = pyplot().subplots(figsize=(12, 8))
     if len(occupied):
@@ -41,7 +45,7 @@ def map_figure(occupied, odometry, optimised, reference=None):
     return figure
 
 
-def stage_figure(stages):
+def stage_figure(stages: dict[str, Any]) -> Any:
     """Mean and p99 of every stage."""
     names = sorted(stages)
     figure, axes = pyplot().subplots(figsize=(10, 0.5 * len(names) + 1.5))
@@ -57,7 +61,7 @@ def stage_figure(stages):
     return figure
 
 
-def memory_figure(memory):
+def memory_figure(memory: list[dict[str, float]]) -> Any:
     """Memory over time. memory: list of dicts with time_s and *_mb."""
     figure, axes = pyplot().subplots(figsize=(10, 3.5))
     times = [row["time_s"] for row in memory]
@@ -71,13 +75,14 @@ def memory_figure(memory):
     return figure
 
 
-def _table(rows, header):
+def _table(rows: Iterable[Sequence[Any]], header: Iterable[str]) -> str:
     cells = "".join("<th>%s</th>" % html.escape(name) for name in header)
     body = "".join("<tr>%s</tr>" % "".join("<td>%s</td>" % html.escape(str(cell)) for cell in row) for row in rows)
     return "<table><tr>%s</tr>%s</table>" % (cells, body)
 
 
-def write_report(path, title, metrics, occupied, odometry, optimised, reference=None):
+def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array, odometry: Array, optimised: Array,
+                 reference: Array | None = None) -> None:
     """metrics: what metrics.json holds."""
     stages = metrics["stages"]
     columns = ("count", "mean_ms", "median_ms", "p99_ms", "max_ms", "cpu_ms", "dropped")
