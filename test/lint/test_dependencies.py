@@ -134,7 +134,7 @@ def test_what_the_tests_use_is_a_test_dependency():
 
 
 def test_what_cmake_finds_is_declared():
-    found = matches(r'find_package\((\w+)', "CMakeLists.txt", "cmake/*.cmake", "src/*CMakeLists.txt",
+    found = matches(r'find_package\(([\w-]+)', "CMakeLists.txt", "cmake/*.cmake", "src/*CMakeLists.txt",
                     "test/CMakeLists.txt")
     found = {CMAKE_PACKAGES.get(name, name): path for name, path in found.items() if name not in NOT_PACKAGES}
     components = re.search(r"find_package\(catkin REQUIRED COMPONENTS([^)]*)\)",

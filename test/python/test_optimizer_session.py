@@ -200,4 +200,5 @@ def test_shipped_parameters_are_the_defaults():
     path = os.path.join(os.path.dirname(__file__), "..", "..", "config", "submap_optimizer.yaml")
     with open(path) as source:
         sections = yaml.safe_load(source)
-    assert sections == {"node": voxnav.OptimizerConfig().to_dict(), "graph": voxnav.SubmapGraphConfig().to_dict()}
+    assert sections == {"node": voxnav.OptimizerConfig().to_dict(), "graph": voxnav.SubmapGraphConfig().to_dict(),
+                        "time": voxnav.TimeConfig().to_dict()}

@@ -9,6 +9,7 @@ import pytest
 
 # Only the compiled module may be absent; whatever else fails to import is a fault.
 pytest.importorskip("voxnav._simulation", reason="built without Embree")
+import voxnav  # noqa: E402
 from voxnav import simulation  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -145,6 +146,7 @@ def test_shipped_node_parameters_are_the_defaults():
     yaml = pytest.importorskip("yaml")
     with open(os.path.join(ROOT, "config", "lidar_simulator.yaml")) as file:
         shipped = yaml.safe_load(file)
-    assert sorted(shipped) == ["lidar", "node"]
+    assert sorted(shipped) == ["lidar", "node", "time"]
     assert shipped["lidar"] == simulation.LidarConfig().to_dict()
     assert shipped["node"] == simulation._simulation.LidarSimulatorConfig().to_dict()
+    assert shipped["time"] == voxnav.TimeConfig().to_dict()

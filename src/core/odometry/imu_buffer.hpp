@@ -22,7 +22,7 @@ class ImuBuffer {
  public:
   static constexpr std::size_t kMaxSamples = 8000;
   /// A step of the stamps by more than this is a broken stamp or another clock.
-  static constexpr base::StampNs kMaxClockStepNs = 1'000'000'000;
+  static constexpr base::StampNs kMaxStampStepNs = 1'000'000'000;
   /// So many samples in a row make another clock the one to follow: 25 ms at 200 Hz.
   static constexpr int kNumConfirming = 5;
 
@@ -43,7 +43,7 @@ class ImuBuffer {
 
  private:
   std::deque<ImuSample> samples_;
-  base::ClockWatch clock_ = base::ClockWatch({kMaxClockStepNs, kMaxClockStepNs, kNumConfirming});
+  base::ClockWatch clock_ = base::ClockWatch({kMaxStampStepNs, kMaxStampStepNs, kNumConfirming});
 };
 
 /// exp and log of SO(3), rotation vectors in rad.
