@@ -96,7 +96,8 @@ void bind_statistics(py::module_& m) {
 }
 
 void bind_content(py::module_& m) {
-  py::class_<MapContent>(m, "MapContent", "Known voxels of a local map with their mean hit points, for a submap.")
+  py::class_<MapContent>(m, "MapContent",
+                         "Known voxels of a local map with their mean hit points, from which a submap is made.")
       .def(py::init<>())
       .def_readonly("resolution_m", &MapContent::resolution_m)
       .def_property_readonly("num_blocks", [](const MapContent& c) { return c.blocks.size(); })
@@ -157,7 +158,7 @@ void bind_outputs(py::class_<LocalMap>& cls) {
           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
       .def("hand_over", &LocalMap::hand_over,
-           "The same, after which own hits of the content (those a submap is registered by) are counted anew.")
+           "Returns content() and begins a new submap: hits that later content calls its own are counted from here.")
       .def("take_evicted", &LocalMap::take_evicted, "What left the window since the last call, as MapContent.")
       .def("to_bytes", [](const LocalMap& m) { return py::bytes(m.to_bytes()); })
       .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))
@@ -201,7 +202,8 @@ void bind_occupancy(py::module_& m) {
             return map.mark_free(vec3_of(center, "center_W"), radius_m);
           },
           py::arg("center_W"), py::arg("radius_m"),
-          "Voxels with centres inside the ball become free unless occupied. Returns how many became free.")
+          "Makes voxels with centres inside a ball free unless they are occupied, because the vehicle is there.\n\n"
+          "Returns how many became free.")
       .def("clear", &LocalMap::clear)
       .def("set_thresholds", &LocalMap::set_thresholds, py::arg("free_threshold"), py::arg("occupied_threshold"))
       .def_property_readonly("config", &LocalMap::config)

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "occupancy/local_map_impl.hpp"
 #include "occupancy/segment_distance.hpp"
 #include "scan_maker.hpp"
 
@@ -52,8 +53,8 @@ void for_voxels(const Vec3& low, const Vec3& high, F f) {
 }
 
 Vec3 random_near(const LocalMap& map, std::mt19937* rng, double reach) {
-  const auto& n = map.window().num_blocks();
-  const Index3 first = map.window().first_block();
+  const auto& n = map.impl().forest.window.num_blocks();
+  const Index3 first = map.impl().forest.window.first_block();
   const Vec3 middle = (Vec3(first.x, first.y, first.z) + 0.5 * Vec3(n[0], n[1], n[2])) * 16 * kResolution;
   std::uniform_real_distribution<double> uniform(-reach, reach);
   const double x = uniform(*rng);
@@ -67,8 +68,8 @@ TEST(LocalMapProperty, InnerNodesEqualBruteForce) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const LocalMap map = flown_map(seed);
     int blocks = 0;
-    for (int slot = 0; slot < map.window().num_slots(); ++slot) {
-      const OctreeBlock* block = map.window().at(slot);
+    for (int slot = 0; slot < map.impl().forest.window.num_slots(); ++slot) {
+      const OctreeBlock* block = map.impl().forest.window.at(slot);
       if (block == nullptr) continue;
       ++blocks;
       for (int level = 1; level <= OctreeBlock::kLevels; ++level) {
@@ -79,7 +80,7 @@ TEST(LocalMapProperty, InnerNodesEqualBruteForce) {
           const int node =
               (((offset >> 8) >> level) * side + (((offset >> 4) & 15) >> level)) * side + ((offset & 15) >> level);
           highest[node] = std::max<int>(highest[node], block->log_odds[offset]);
-          flags[node] |= 1 << static_cast<int>(map.levels().of(block->log_odds[offset]));
+          flags[node] |= 1 << static_cast<int>(map.impl().forest.levels.of(block->log_odds[offset]));
         }
         for (int node = 0; node < side * side * side; ++node) {
           const int x = node % side;

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/worker_pool.hpp"
-#include "occupancy/block_update.hpp"
-#include "occupancy/block_window.hpp"
-#include "occupancy/ray_marks.hpp"
 #include "voxnav/containers/grid_update.hpp"
 #include "voxnav/geometry/aabb.hpp"
 #include "voxnav/geometry/points_view.hpp"
+#include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
 namespace voxnav::occupancy {
@@ -41,7 +39,7 @@ struct CorridorState {
   std::optional<double> first_bad_m;
 };
 
-struct NearestSurface {
+struct NearestHit {
   geometry::Vec3 point;  ///< mean hit point of the voxel
   double distance_m = 0.0;
 };
@@ -56,7 +54,11 @@ struct RayCast {
 /// Source: Duberg and Jensfelt, UFOMap, RA-L 2020, section III, for states and inner nodes.
 class LocalMap {
  public:
+  /// @throws base::ConfigError
   explicit LocalMap(const LocalMapConfig& config);
+  ~LocalMap();
+  LocalMap(LocalMap&&) noexcept;
+  LocalMap& operator=(LocalMap&&) noexcept;
 
   /// Moves the window to the sensor and inserts one scan.
   /// @param points_L         hits, frame L; those that are not finite are left out and counted
@@ -77,7 +79,7 @@ class LocalMap {
   };
   std::size_t assign(const std::vector<VoxelLogOdds>& voxels);
   /// Puts the window around a place where the map is still empty.
-  void place_window(const geometry::Vec3& center) { window_.recenter(center); }
+  void place_window(const geometry::Vec3& center);
   /// Everything becomes unknown; nothing is handed out.
   void clear();
   /// @throws base::ConfigError unless free < occupied and both are probabilities
@@ -91,25 +93,33 @@ class LocalMap {
   CorridorState corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const;
   /// From a towards b; stops at the first occupied voxel, and at unknown ones unless told to pass them.
   RayCast ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, bool pass_unknown) const;
-  std::optional<NearestSurface> nearest_occupied(const geometry::Vec3& point, double max_distance_m) const;
+  std::optional<NearestHit> nearest_occupied(const geometry::Vec3& point, double max_distance_m) const;
 
   /// (x, y, z) rows; blocks in the order of their index, voxels in the order of theirs.
   std::vector<float> occupied_points() const;
   std::vector<float> centers_above(double probability) const;
   std::vector<float> centers_below(double probability) const;
 
+  struct KnownVoxel {
+    geometry::Index3 index;
+    containers::State state;  ///< free or occupied
+    double log_odds;
+  };
+  /// Visits every voxel that is free or occupied, in the order of the lists above.
+  void for_known(const std::function<void(const KnownVoxel&)>& visit) const;
+
   MapContent content() const;
   /// The same, after which own hits of the content are counted anew. What is known, and what is believed, stay.
   MapContent hand_over();
   /// What left the window since the last call. Bounded by max_evicted_blocks.
   MapContent take_evicted();
-  std::size_t num_evicted_pending() const { return evicted_.size(); }
-  std::size_t num_evicted_dropped() const { return evicted_dropped_; }
+  std::size_t num_evicted_pending() const;
+  std::size_t num_evicted_dropped() const;
   /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were
   /// given up.
   containers::GridUpdate take_changes();
   /// Rises with every call that may change the map.
-  std::uint64_t sequence() const { return sequence_; }
+  std::uint64_t sequence() const;
   /// Blocks whose states changed after the map had the given sequence; a snapshot for 0, for a sequence this map never
   /// had, and where changes that old were given up. Any number of readers may keep a sequence each, so that none of
   /// them is ever sent what it has.
@@ -123,48 +133,15 @@ class LocalMap {
   void save(const std::string& path) const;
   static LocalMap load(const std::string& path);
 
-  const LocalMapConfig& config() const { return config_; }
-  const BlockWindow& window() const { return window_; }
-  const LogOddsScale& scale() const { return scale_; }
-  const StateLevels& levels() const { return levels_; }
+  const LocalMapConfig& config() const;
   std::size_t memory_bytes() const;
 
- private:
-  bool is_in_window(const geometry::Vec3& point) const;
-  geometry::Vec3 to_window(const geometry::Vec3& point) const;
-  void move_window(const geometry::Vec3& center, InsertStatistics* statistics);
-  void keep_evicted(std::vector<EvictedBlock> blocks, InsertStatistics* statistics);
-  ScanFrame frame_of(const geometry::Pose& T_W_L) const;
-  void collect_points(const geometry::PointsView& points_L, const ScanFrame& frame, InsertStatistics* statistics);
-  void collect_no_returns(const geometry::PointsView& directions_L, const geometry::Pose& T_W_L,
-                          const ScanFrame& frame);
-  void sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame);
-  void cast_rays(const geometry::Vec3& origin);
-  void update_blocks(const ScanFrame& frame, InsertStatistics* statistics);
-  void prefetch(std::uint32_t block) const;
-  BlockUpdate update_slot(std::uint32_t block, const SurfaceSight& sight);
-  void note_removed(const geometry::Index3& block);
-  containers::GridUpdate changes_after(std::uint64_t sequence) const;
-  void refresh(int slot);
+  struct Impl;
+  /// The octree itself, for tests of it; see src/core/occupancy/local_map_impl.hpp.
+  const Impl& impl() const { return *impl_; }
 
-  LocalMapConfig config_;
-  LogOddsScale scale_;
-  StateLevels levels_;
-  BlockWindow window_;
-  EndVoxels ends_;
-  std::vector<geometry::Vec3f> no_return_ends_;
-  std::vector<ScanPart> parts_;  ///< one per thread
-  BeamImage beams_;
-  ScanBox box_;
-  RayMarks marks_;
-  std::unique_ptr<base::WorkerPool> workers_;
-  std::map<geometry::Index3, ContentBlock> evicted_;
-  std::size_t evicted_dropped_ = 0;
-  std::map<geometry::Index3, std::uint64_t> removed_;  ///< with the sequence at which a block left
-  std::uint64_t sequence_ = 0;
-  std::uint64_t taken_at_ = 0;
-  int recent_scans_ = 0;              ///< since the last handover; stays at what a leaf can hold
-  std::uint64_t complete_since_ = 0;  ///< removals before it were given up
+ private:
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace voxnav::occupancy

@@ -5,7 +5,7 @@
 
 #include "base/bytes.hpp"
 #include "kernels/bits.hpp"
-#include "voxnav/occupancy/local_map.hpp"
+#include "occupancy/local_map_impl.hpp"
 
 namespace voxnav::occupancy {
 namespace {
@@ -54,19 +54,20 @@ void get_block(OctreeBlock* block, const LogOddsScale& scale, base::ByteReader* 
 }  // namespace
 
 std::string LocalMap::to_bytes() const {
+  const OctreeForest& forest = impl_->forest;
   base::ByteWriter out;
   out.put_header(kFormat);
-  put_config(config_, &out);
-  out.put(window_.is_placed());
-  out.put(window_.first_block());
-  out.put<std::int32_t>(recent_scans_);
+  put_config(impl_->config, &out);
+  out.put(forest.window.is_placed());
+  out.put(forest.window.first_block());
+  out.put<std::int32_t>(forest.recent_scans);
   std::uint64_t count = 0;
-  for (int slot = 0; slot < window_.num_slots(); ++slot) count += window_.at(slot) != nullptr ? 1 : 0;
+  for (int slot = 0; slot < forest.window.num_slots(); ++slot) count += forest.window.at(slot) != nullptr ? 1 : 0;
   out.put(count);
-  for (int slot = 0; slot < window_.num_slots(); ++slot) {
-    if (window_.at(slot) == nullptr) continue;
+  for (int slot = 0; slot < forest.window.num_slots(); ++slot) {
+    if (forest.window.at(slot) == nullptr) continue;
     out.put<std::int32_t>(slot);
-    put_block(*window_.at(slot), &out);
+    put_block(*forest.window.at(slot), &out);
   }
   return out.finish();
 }
@@ -75,24 +76,22 @@ LocalMap LocalMap::from_bytes(const std::string& bytes) {
   base::ByteReader in(bytes, "local map");
   in.check_header(kFormat);
   LocalMap map(get_config(&in));
+  OctreeForest& forest = map.impl_->forest;
+  forest.sequence = 1;
   const bool is_placed = in.get<std::uint8_t>() != 0;
   const auto first = in.get<geometry::Index3>();
-  if (is_placed) map.window_.place(first);
-  map.recent_scans_ = in.get<std::int32_t>();
-  if (map.recent_scans_ < 0 || map.recent_scans_ > SurfaceLeaf::kMaxNumber)
+  if (is_placed) forest.window.place(first);
+  forest.recent_scans = in.get<std::int32_t>();
+  if (forest.recent_scans < 0 || forest.recent_scans > SurfaceLeaf::kMaxNumber)
     in.fail("has an impossible number of scans");
   const std::uint64_t count = in.get_count(geometry::kBlockVolume);
-  OctreeBlock::Flags flags;
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto slot = in.get<std::int32_t>();
-    if (!is_placed || slot < 0 || slot >= map.window_.num_slots()) in.fail("has a block outside its window");
-    OctreeBlock& block = map.window_.ensure(slot, map.scale_.prior);
-    get_block(&block, map.scale_, &in);
-    block.leaf_flags(map.levels_, &flags);
-    block.refresh(flags);
-    block.changed_at = 1;
+    if (!is_placed || slot < 0 || slot >= forest.window.num_slots()) in.fail("has a block outside its window");
+    OctreeBlock& block = forest.window.ensure(slot, forest.scale.prior);
+    get_block(&block, forest.scale, &in);
+    forest.refresh(slot);
   }
-  map.sequence_ = 1;
   return map;
 }
 

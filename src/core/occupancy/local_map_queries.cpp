@@ -4,9 +4,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "occupancy/local_map_impl.hpp"
 #include "occupancy/octree_search.hpp"
 #include "occupancy/segment_distance.hpp"
-#include "voxnav/occupancy/local_map.hpp"
 
 namespace voxnav::occupancy {
 namespace {
@@ -100,74 +100,76 @@ class NearestSearch {
     const double distance_m = (surface_point - point_).norm();
     if (distance_m > best_m_ || (found_ && distance_m == best_m_)) return;
     best_m_ = distance_m;
-    found_ = NearestSurface{surface_point, distance_m};
+    found_ = NearestHit{surface_point, distance_m};
   }
-  const std::optional<NearestSurface>& result() const { return found_; }
+  const std::optional<NearestHit>& result() const { return found_; }
 
  private:
   geometry::Vec3 point_;
   double best_m_;
-  std::optional<NearestSurface> found_;
+  std::optional<NearestHit> found_;
 };
 
 }  // namespace
 
 State LocalMap::state(const geometry::Vec3& point) const {
-  if (!((point.array().abs() / config_.resolution_m) < kMaxCells).all()) return State::kUnknown;
-  const geometry::Index3 voxel = geometry::index_of(point, config_.resolution_m);
-  const OctreeBlock* block = window_.find(geometry::block_of(voxel));
-  return block ? levels_.of(block->log_odds[geometry::offset_in_block(voxel)]) : State::kUnknown;
+  const OctreeForest& forest = impl_->forest;
+  if (!((point.array().abs() / forest.resolution_m) < kMaxCells).all()) return State::kUnknown;
+  const geometry::Index3 voxel = geometry::index_of(point, forest.resolution_m);
+  const OctreeBlock* block = forest.window.find(geometry::block_of(voxel));
+  return block ? forest.levels.of(block->log_odds[geometry::offset_in_block(voxel)]) : State::kUnknown;
 }
 
 std::optional<double> LocalMap::log_odds(const geometry::Vec3& point) const {
-  if (!((point.array().abs() / config_.resolution_m) < kMaxCells).all()) return std::nullopt;
-  const geometry::Index3 voxel = geometry::index_of(point, config_.resolution_m);
-  const OctreeBlock* block = window_.find(geometry::block_of(voxel));
+  const OctreeForest& forest = impl_->forest;
+  if (!((point.array().abs() / forest.resolution_m) < kMaxCells).all()) return std::nullopt;
+  const geometry::Index3 voxel = geometry::index_of(point, forest.resolution_m);
+  const OctreeBlock* block = forest.window.find(geometry::block_of(voxel));
   if (block == nullptr) return std::nullopt;
-  return scale_.log_odds(block->log_odds[geometry::offset_in_block(voxel)]);
+  return forest.scale.log_odds(block->log_odds[geometry::offset_in_block(voxel)]);
 }
 
 State LocalMap::box_state(const geometry::Aabb& box) const {
-  require_finite(box.min, box.max, config_.resolution_m);
+  const OctreeForest& forest = impl_->forest;
+  require_finite(box.min, box.max, forest.resolution_m);
   if (box.empty()) throw std::invalid_argument("the box is empty");
   BoxSearch search(box);
-  search_octree(window_, config_.resolution_m, levels_, box, &search);
-  const bool all_inside = is_in_window(box.min) && is_in_window(box.max);
+  search_octree(forest, box, &search);
+  const bool all_inside = forest.contains(box.min) && forest.contains(box.max);
   return all_inside || search.result() == State::kOccupied ? search.result() : State::kUnknown;
 }
 
-bool LocalMap::is_in_window(const geometry::Vec3& point) const {
-  return window_.slot_of(geometry::block_of(geometry::index_of(point, config_.resolution_m))) >= 0;
-}
-
 CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const {
-  require_finite(a, b, config_.resolution_m);
+  const OctreeForest& forest = impl_->forest;
+  require_finite(a, b, forest.resolution_m);
   if (!(radius_m >= 0.0) || !std::isfinite(radius_m))
     throw std::invalid_argument("radius_m must be finite and not negative");
   geometry::Aabb box;
   box.extend(a);
   box.extend(b);
   CorridorSearch search(Segment(a, b), radius_m);
-  search_octree(window_, config_.resolution_m, levels_, box.padded(radius_m), &search);
-  if (!is_in_window(a)) search.starts_in_unknown();
+  search_octree(forest, box.padded(radius_m), &search);
+  if (!forest.contains(a)) search.starts_in_unknown();
   return search.result();
 }
 
-std::optional<NearestSurface> LocalMap::nearest_occupied(const geometry::Vec3& point, double max_distance_m) const {
-  require_finite(point, point, config_.resolution_m);
+std::optional<NearestHit> LocalMap::nearest_occupied(const geometry::Vec3& point, double max_distance_m) const {
+  const OctreeForest& forest = impl_->forest;
+  require_finite(point, point, forest.resolution_m);
   if (!(max_distance_m >= 0.0) || !std::isfinite(max_distance_m))
     throw std::invalid_argument("max_distance_m must be finite");
   NearestSearch search(point, max_distance_m);
   geometry::Aabb box;
   box.extend(point);
-  search_surface(window_, config_.resolution_m, levels_, box.padded(max_distance_m), &search);
+  search_surface(forest, box.padded(max_distance_m), &search);
   return search.result();
 }
 
 RayCast LocalMap::ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, bool pass_unknown) const {
-  require_finite(a, b, config_.resolution_m);
+  const OctreeForest& forest = impl_->forest;
+  require_finite(a, b, forest.resolution_m);
   const double length = (b - a).norm();
-  const double v = config_.resolution_m;
+  const double v = forest.resolution_m;
   geometry::Index3 cell = geometry::index_of(a, v);
   const geometry::Index3 last = geometry::index_of(b, v);
   int* coordinates[3] = {&cell.x, &cell.y, &cell.z};

@@ -19,20 +19,12 @@ octomap::OcTree octree_of(const LocalMap& map) {
   tree.setProbHit(map.config().prob_hit);
   tree.setProbMiss(map.config().prob_miss);
   tree.setOccupancyThres(map.config().occupied_threshold);
-  const StateLevels& levels = map.levels();
-  for (int slot = 0; slot < map.window().num_slots(); ++slot) {
-    const OctreeBlock* block = map.window().at(slot);
-    if (block == nullptr || !block->has_known()) continue;
-    const geometry::Index3 index = map.window().block_at(slot);
-    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      const int level = block->log_odds[offset];
-      if (levels.of(level) == containers::State::kUnknown) continue;
-      const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(index, offset), map.config().resolution_m);
-      octomap::OcTreeKey key;
-      if (!tree.coordToKeyChecked(center.x(), center.y(), center.z(), key)) continue;
-      tree.setNodeValue(key, static_cast<float>(map.scale().log_odds(level)), true);
-    }
-  }
+  map.for_known([&](const LocalMap::KnownVoxel& voxel) {
+    const geometry::Vec3 center = geometry::center_of(voxel.index, map.config().resolution_m);
+    octomap::OcTreeKey key;
+    if (!tree.coordToKeyChecked(center.x(), center.y(), center.z(), key)) return;
+    tree.setNodeValue(key, static_cast<float>(voxel.log_odds), true);
+  });
   tree.updateInnerOccupancy();
   tree.prune();
   return tree;
@@ -69,7 +61,7 @@ LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geom
   config.resolution_m = tree->getResolution();
   LocalMap map(config);
   map.place_window(center);
-  const auto& n = map.window().num_blocks();
+  const std::array<int, 3> n = config.window_blocks();
   const geometry::Vec3 half =
       0.5 * geometry::kBlockSide * config.resolution_m * geometry::Vec3(n[0] + 1, n[1] + 1, n[2] + 1);
   const auto corner = [&](double sign) {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "occupancy/block_window.hpp"
+#include "occupancy/octree_forest.hpp"
 #include "voxnav/geometry/aabb.hpp"
 
 /// Depth-first search from the roots to the voxels. A visitor has
@@ -38,8 +38,9 @@ void search_node(const OctreeBlock& block, const geometry::Index3& block_index, 
 /// Blocks that overlap the box; null where nothing is known. Of what lies outside the window only the layer next to it
 /// is visited: whatever leaves the window crosses that layer.
 template <class OnBlock>
-void for_blocks_in(const BlockWindow& window, double resolution_m, const geometry::Aabb& box, const OnBlock& on_block) {
-  const double size_m = resolution_m * geometry::kBlockSide;
+void for_blocks_in(const OctreeForest& forest, const geometry::Aabb& box, const OnBlock& on_block) {
+  const BlockWindow& window = forest.window;
+  const double size_m = forest.resolution_m * geometry::kBlockSide;
   const geometry::Index3 first = window.first_block();
   const auto& n = window.num_blocks();
   geometry::Index3 low = geometry::index_of(box.min, size_m);
@@ -57,31 +58,30 @@ void for_blocks_in(const BlockWindow& window, double resolution_m, const geometr
 }  // namespace detail
 
 template <class Visitor>
-void search_octree(const BlockWindow& window, double resolution_m, const StateLevels& levels, const geometry::Aabb& box,
-                   Visitor* visitor) {
-  const double half_edge = 0.5 * resolution_m * geometry::kBlockSide;
-  detail::for_blocks_in(window, resolution_m, box, [&](const geometry::Index3& index, const OctreeBlock* block) {
+void search_octree(const OctreeForest& forest, const geometry::Aabb& box, Visitor* visitor) {
+  const double half_edge = 0.5 * forest.resolution_m * geometry::kBlockSide;
+  detail::for_blocks_in(forest, box, [&](const geometry::Index3& index, const OctreeBlock* block) {
     const geometry::Vec3 center = geometry::center_of(index, 2.0 * half_edge);
     if (block == nullptr) {
       if (visitor->enter(center, half_edge, kContainsUnknown)) visitor->leaf(center, half_edge, kContainsUnknown);
       return;
     }
     detail::search_node(
-        *block, index, OctreeBlock::kLevels, 0, 0, 0, resolution_m, levels, visitor,
+        *block, index, OctreeBlock::kLevels, 0, 0, 0, forest.resolution_m, forest.levels, visitor,
         [&](int, const geometry::Vec3& c, double h, std::uint8_t flags) { visitor->leaf(c, h, flags); });
   });
 }
 
 template <class Visitor>
-void search_surface(const BlockWindow& window, double resolution_m, const StateLevels& levels,
-                    const geometry::Aabb& box, Visitor* visitor) {
-  detail::for_blocks_in(window, resolution_m, box, [&](const geometry::Index3& index, const OctreeBlock* block) {
+void search_surface(const OctreeForest& forest, const geometry::Aabb& box, Visitor* visitor) {
+  detail::for_blocks_in(forest, box, [&](const geometry::Index3& index, const OctreeBlock* block) {
     if (block == nullptr) return;
-    detail::search_node(*block, index, OctreeBlock::kLevels, 0, 0, 0, resolution_m, levels, visitor,
-                        [&](int offset, const geometry::Vec3& c, double, std::uint8_t) {
-                          const SurfaceLeaf* leaf = block->leaves.find(offset);
-                          visitor->surface(leaf ? geometry::Vec3(c + leaf->offset().cast<double>() * resolution_m) : c);
-                        });
+    detail::search_node(
+        *block, index, OctreeBlock::kLevels, 0, 0, 0, forest.resolution_m, forest.levels, visitor,
+        [&](int offset, const geometry::Vec3& c, double, std::uint8_t) {
+          const SurfaceLeaf* leaf = block->leaves.find(offset);
+          visitor->surface(leaf ? geometry::Vec3(c + leaf->offset().cast<double>() * forest.resolution_m) : c);
+        });
   });
 }
 

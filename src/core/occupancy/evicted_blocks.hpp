@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+
+#include "voxnav/occupancy/map_content.hpp"
+
+namespace voxnav::occupancy {
+
+/// What left the window of a local map and was not taken yet, in a bounded number of blocks.
+class EvictedBlocks {
+ public:
+  EvictedBlocks(double resolution_m, std::size_t max_blocks) : resolution_m_(resolution_m), max_blocks_(max_blocks) {}
+
+  /// A block that left before is brought up to date; a new one beyond the bound is dropped and counted.
+  void add(ContentBlock block);
+  /// Everything, in the order of block indices; nothing is left.
+  MapContent take();
+  void clear() { blocks_.clear(); }
+
+  std::size_t size() const { return blocks_.size(); }
+  std::size_t num_dropped() const { return num_dropped_; }
+  std::size_t memory_bytes() const;
+
+ private:
+  double resolution_m_;
+  std::size_t max_blocks_;
+  std::size_t num_dropped_ = 0;
+  std::map<geometry::Index3, ContentBlock> blocks_;
+};
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "occupancy/block_window.hpp"
+#include "occupancy/log_odds.hpp"
+
+namespace voxnav::occupancy {
+
+/// The octrees of a local map and how the numbers in them are read.
+struct OctreeForest {
+  explicit OctreeForest(const LocalMapConfig& config);
+
+  double resolution_m;
+  LogOddsScale scale;
+  StateLevels levels;
+  BlockWindow window;
+  int recent_scans = 0;        ///< since the last handover; stays at the most a leaf can hold
+  std::uint64_t sequence = 0;  ///< see LocalMap::sequence()
+
+  /// Voxel edges from the lowest corner of the window.
+  geometry::Vec3 to_window(const geometry::Vec3& point) const;
+  bool contains(const geometry::Vec3& point) const;
+  /// Makes the inner nodes of a block follow its voxels, and the block count as changed.
+  void refresh(int slot);
+  /// Calls f(index, block) for each block that exists, in the order of their indices.
+  template <class F>
+  void for_blocks(const F& f) const {
+    for (int slot = 0; slot < window.num_slots(); ++slot) {
+      if (const OctreeBlock* block = window.at(slot)) f(window.block_at(slot), *block);
+    }
+  }
+};
+
+}  // namespace voxnav::occupancy

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/worker_pool.hpp"
+#include "occupancy/beam_image.hpp"
+#include "occupancy/block_update.hpp"
+#include "occupancy/end_voxels.hpp"
+#include "occupancy/octree_forest.hpp"
+#include "occupancy/ray_marks.hpp"
+#include "occupancy/scan_part.hpp"
+#include "voxnav/occupancy/local_map.hpp"
+
+namespace voxnav::occupancy {
+
+/// One scan, see LocalMap::insert().
+struct SensorScan {
+  geometry::PointsView points_L;
+  geometry::PointsView no_return_directions_L;
+  geometry::Pose T_W_L;
+};
+
+/// Brings the hits and misses of scans into an octree forest whose window is already where the sensor is. Memory that
+/// one scan needed is kept for the next.
+class ScanInsertion {
+ public:
+  explicit ScanInsertion(const LocalMapConfig& config);
+
+  /// Adds to `statistics` what became of the points and of the voxels.
+  void run(const SensorScan& scan, OctreeForest* forest, InsertStatistics* statistics);
+  std::size_t memory_bytes() const;
+
+ private:
+  ScanFrame frame_of(const geometry::Pose& T_W_L, const OctreeForest& forest) const;
+  void collect_points(const geometry::PointsView& points_L, const ScanFrame& frame, InsertStatistics* statistics);
+  void collect_no_returns(const SensorScan& scan, const ScanFrame& frame);
+  void sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame);
+  void cast_rays(const geometry::Vec3& origin, const OctreeForest& forest);
+  void update_blocks(const ScanFrame& frame, OctreeForest* forest, InsertStatistics* statistics);
+  void prefetch(std::uint32_t block, const OctreeForest& forest) const;
+  BlockUpdate update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest) const;
+
+  LocalMapConfig config_;
+  EndVoxels ends_;
+  std::vector<geometry::Vec3f> no_return_ends_;
+  std::vector<ScanPart> parts_;  ///< one per thread
+  BeamImage beams_;
+  ScanBox box_;
+  RayMarks marks_;
+  std::unique_ptr<base::WorkerPool> workers_;
+};
+
+}  // namespace voxnav::occupancy
