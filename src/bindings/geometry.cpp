@@ -80,7 +80,8 @@ py::array_t<float> surface_weights(const DistanceField& field) {
 
 void bind_geometry(py::module_& m) {
   py::class_<DistanceField, std::shared_ptr<DistanceField>>(
-      m, "DistanceField", "Signed distances around the surfaces of one submap, frame S. Immutable; made by subclasses.")
+      m, "DistanceField",
+      "Signed distances around the surfaces of one submap, frame S. Objects are immutable and of a subclass.")
       .def("distance", &distance, py::arg("points_S"),
            "Signed distance (negative inside) at (n, 3) float32 points.\n\n"
            "Returns (n,) float64 metres, NaN where unobserved or the point is not finite.")
@@ -92,8 +93,10 @@ void bind_geometry(py::module_& m) {
       .def(
           "surface_normals", [](const DistanceField& f) { return surface_rows(f, &geometry::SurfacePoint::normal); },
           "(n, 3) float32 unit normals of surface_points(), towards free space.")
-      .def("bent_surface_points", &bent_surface_points, py::arg("bend"),
-           "The same where a bend (2, 4, 4) moves them, each as of when it was seen; see submap_bends().")
+      .def(
+          "bent_surface_points", &bent_surface_points, py::arg("bend"),
+          "(n, 3) float32 surface_points() where a bend, (2, 4, 4) float64 of submap_bends(), moves them: each by the\n"
+          "share of it that goes with the time at which the point was seen.")
       .def("surface_weights", &surface_weights, "(n,) float32 confidences of surface_points(), above 0.")
       .def_property_readonly("resolution_m", &DistanceField::resolution_m, "Edge of one voxel, metres.");
 }

@@ -18,7 +18,7 @@ using graph::SubmapGraph;
 
 ConstraintKind kind_from(const std::string& word) { return from_word<ConstraintKind>(word, "kind"); }
 
-graph::Matrix4 matrix4_of(const py::array& array, const char* name) {
+Eigen::Matrix4d matrix4_of(const py::array& array, const char* name) {
   return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(data_of<double>(array, name, {4, 4}));
 }
 
@@ -57,11 +57,11 @@ void bind_report(py::module_& m) {
       .def_readonly("iterations", &Report::iterations)
       .def_readonly("num_submaps", &Report::num_submaps)
       .def_readonly("pairs", &Report::num_pairs, "Overlapping pairs in the graph.")
-      .def_readonly("num_new_pairs", &Report::num_new_pairs)
-      .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations)
-      .def_readonly("num_searches", &Report::num_searches)
+      .def_readonly("num_new_pairs", &Report::num_new_pairs, "Pairs that were registered by themselves in this solve.")
+      .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations, "Models of pairs that were made anew.")
+      .def_readonly("num_searches", &Report::num_searches, "Pairs for which a search was made besides the descent.")
       .def_readonly("num_recognised", &Report::num_recognised, "Loop closures that place recognition added.")
-      .def_readonly("seconds", &Report::seconds, "CPU time.")
+      .def_readonly("seconds", &Report::seconds, "CPU time of the calling thread.")
       .def_property_readonly(
           "rejected_loops",
           [](const Report& r) {
@@ -70,7 +70,7 @@ void bind_report(py::module_& m) {
               out.append(py::make_tuple(loop.a, loop.b, loop.reason));
             return out;
           },
-          "List of (a, b, reason).");
+          "List of (a, b, reason) of the loop closures that disagree with the rest of the graph.");
 }
 
 void add_relative_pose(SubmapGraph& g, int a, int b, const py::array& T_a_b, const py::array& information,
@@ -96,29 +96,34 @@ void bind_constraints(py::class_<SubmapGraph>& cls) {
   cls.def(
       "add_relative_pose", &add_relative_pose, py::arg("a"), py::arg("b"), py::arg("T_a_b"), py::arg("information"),
       py::arg("kind") = "odometry",
-      "Pose of submap b in submap a, with the (4, 4) information of (x, y, z, yaw). kind: ConstraintKind.ODOMETRY or\n"
-      "ConstraintKind.LOOP, or their words.");
+      "Adds a measured pose of submap b in submap a.\n\n"
+      "T_a_b: (4, 4) float64, gravity-aligned; information: (4, 4) float64 of (x, y, z, yaw) in the axes of a;\n"
+      "kind: ConstraintKind.ODOMETRY, which is trusted, or ConstraintKind.LOOP, which is rejected when it disagrees\n"
+      "with the rest, or the word of either.\n"
+      "Raises ValueError for unknown ids and unusable matrices.");
   cls.def(
       "add_position",
       [](SubmapGraph& g, int id, const py::object& p_S, const py::object& p_W, const py::array& covariance) {
         g.add_position(id, vec3_of(p_S, "p_S"), vec3_of(p_W, "p_W"), matrix3_of(covariance, "covariance"));
       },
       py::arg("id"), py::arg("p_S"), py::arg("p_W"), py::arg("covariance"),
-      "The point p_S of a submap was measured at p_W in the map frame, with (3, 3) covariance in m^2. Robust.");
+      "Adds a measurement that the point p_S of a submap lies at p_W in the map frame (three numbers each, metres).\n\n"
+      "covariance: (3, 3) float64 in m^2. A robust loss limits what an outlier can do.");
   cls.def(
       "add_gnss_position",
       [](SubmapGraph& g, int id, const py::object& p_S, const py::object& p_G, const py::array& covariance) {
         g.add_gnss_position(id, vec3_of(p_S, "p_S"), vec3_of(p_G, "p_G"), matrix3_of(covariance, "covariance"));
       },
       py::arg("id"), py::arg("p_S"), py::arg("p_G"), py::arg("covariance"),
-      "The same in a frame G whose shift and heading in the map are unknown and estimated.");
+      "Adds a measurement that the point p_S of a submap lies at p_G in a frame whose position and heading in the map\n"
+      "are unknown. They are estimated with the poses, see gnss_datum. covariance: (3, 3) float64 in m^2.");
   cls.def(
       "add_height",
       [](SubmapGraph& g, int id, const py::object& p_S, double height_m, double sigma_m) {
         g.add_height(id, vec3_of(p_S, "p_S"), height_m, sigma_m);
       },
       py::arg("id"), py::arg("p_S"), py::arg("height_m"), py::arg("sigma_m"),
-      "The point p_S of a submap is at this height in the map frame. Robust.");
+      "Adds a measurement that the point p_S of a submap is height_m high in the map frame. Its loss is robust.");
   cls.def(
       "set_kind_enabled",
       [](SubmapGraph& g, const std::string& kind, bool is_enabled) { g.set_kind_enabled(kind_from(kind), is_enabled); },
@@ -126,8 +131,10 @@ void bind_constraints(py::class_<SubmapGraph>& cls) {
 }
 
 void bind_submap_graph(py::module_& m) {
-  py::class_<SubmapGraph> cls(m, "SubmapGraph",
-                              "Pose graph of submaps (x, y, z, yaw each). The submap with the smallest id stays.");
+  py::class_<SubmapGraph> cls(
+      m, "SubmapGraph",
+      "Pose graph of submaps with four degrees of freedom each (x, y, z, yaw). The submap with the\n"
+      "smallest id stays where it is. Not thread-safe.");
   cls.def(py::init<const graph::SubmapGraphConfig&>(), py::arg("config") = graph::SubmapGraphConfig());
   cls.def(
       "add_submap",
@@ -135,25 +142,31 @@ void bind_submap_graph(py::module_& m) {
         g.add_submap(id, pose_of(T_W_S, "T_W_S"), submap);
       },
       py::arg("id"), py::arg("T_W_S"), py::arg("submap") = py::none(),
-      "A submap and where it is thought to be. With `submap` (a DistanceField) it is registered to others.");
+      "Adds a submap at the pose T_W_S, (4, 4) float64, that odometry gives it.\n\n"
+      "submap: a DistanceField by which it is registered to others, or None. Raises ValueError for an id that is in "
+      "the\n"
+      "graph already and for a pose that is not gravity-aligned.");
   bind_constraints(cls);
   cls.def("optimize", &SubmapGraph::optimize, py::arg("full") = false, py::call_guard<py::gil_scoped_release>(),
-          "Moves the submaps to where the constraints fit best; never worse than before. Returns OptimizeReport.\n\n"
-          "full: register every pair anew, with ten times the work allowed.");
+          "Moves the submaps to where the constraints fit best, and never to where they fit worse than before.\n\n"
+          "full: whether every pair is registered anew, with ten times the work allowed. Returns an OptimizeReport.");
   cls.def("poses", &poses, "dict: id -> T_W_S, (4, 4) float64.");
-  cls.def("constraints", &constraints, "List of (ConstraintKind, a, b, squared residual in sigmas, is_used).");
+  cls.def(
+      "constraints", &constraints,
+      "List of (ConstraintKind, a, b, squared residual in sigmas, is_used); a = b for constraints of a single submap.");
   cls.def_property_readonly(
       "gnss_datum",
       [](const SubmapGraph& g) -> py::object {
         const auto datum = g.gnss_datum();
         return datum ? py::object(pose_array(*datum)) : py::object(py::none());
       },
-      "T_W_G, or None before the first solve with GNSS positions.");
+      "(4, 4) float64 T_W_G of the frame of GNSS positions, or None before the first solve with such positions.");
   cls.def_property_readonly("num_submaps", &SubmapGraph::num_submaps);
-  cls.def("to_g2o", &SubmapGraph::to_g2o, "Poses, odometry and loops as g2o text.");
-  cls.def_static("from_g2o", &SubmapGraph::from_g2o, py::arg("text"), py::arg("config") = graph::SubmapGraphConfig(),
-                 "Graph from g2o text (SE3:QUAT or SE2). Neighbouring ids become odometry, others loops.\n\n"
-                 "Raises ValueError naming line and fault.");
+  cls.def("to_g2o", &SubmapGraph::to_g2o, "The poses and the odometry and loop constraints as g2o text.");
+  cls.def_static(
+      "from_g2o", &SubmapGraph::from_g2o, py::arg("text"), py::arg("config") = graph::SubmapGraphConfig(),
+      "Makes a graph from g2o text (SE3:QUAT or SE2). Edges between neighbouring ids become odometry, others "
+      "loops.\n\nRaises ValueError that names line and fault.");
 }
 
 std::vector<graph::SubmapCorrection> corrections_of(const py::array& spans_s, const py::array& T_O_S,
@@ -204,12 +217,15 @@ void bind_graph(py::module_& m) {
   bind_submap_graph(m);
   m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("spans_s"),
         py::arg("T_O_S"), py::arg("T_W_S"),
-        "Moves a trajectory (n, 4, 4) with k submaps that the graph moved from T_O_S to T_W_S, both (k, 4, 4).\n\n"
-        "spans_s (k, 2): when each began and ended; poses between the middles of two are blended from both.\n"
-        "Returns T_W_B, (n, 4, 4).");
-  m.def("submap_bends", &submap_bends, py::arg("spans_s"), py::arg("T_O_S"), py::arg("T_W_S"), py::arg("max_shift_m"),
-        "The same for what these submaps hold: (k, 2, 4, 4), how what each saw when it began and when it ended has to\n"
-        "be moved to lie as its middle does. Beyond max_shift_m it is a jump and left alone.");
+        "Moves a trajectory together with the submaps that the graph moved.\n\n"
+        "stamps_s: (n,) float64; T_O_B: (n, 4, 4) float64; spans_s: (k, 2) float64, when each of k submaps began and\n"
+        "ended; T_O_S, T_W_S: (k, 4, 4) float64, where odometry and where the graph has them. A pose between the\n"
+        "middles of two submaps is blended from both. Returns T_W_B, (n, 4, 4) float64.");
+  m.def(
+      "submap_bends", &submap_bends, py::arg("spans_s"), py::arg("T_O_S"), py::arg("T_W_S"), py::arg("max_shift_m"),
+      "Drift within submaps that the graph moved, from the arguments of correct_trajectory().\n\n"
+      "Returns (k, 2, 4, 4) float64: how that which each submap saw when it began, and when it ended, has to be moved\n"
+      "to lie as its middle does. A move of more than max_shift_m is a jump of odometry, which is left alone.");
 }
 
 }  // namespace voxnav::bindings

@@ -13,7 +13,8 @@ namespace voxnav::graph {
 enum class GnssType { kNone, kOdometry, kNavSatFix };
 constexpr auto words_of(GnssType) { return std::array{"none", "odometry", "navsatfix"}; }
 
-/// What the submap_optimizer node and the offline runner decide around SubmapGraph.
+/// Parameters of what the submap_optimizer node and the offline runner do around SubmapGraph: which measurements they
+/// add to it, how far these are believed, and what is published.
 struct OptimizerConfig {
   std::string map_frame = "map";
   std::string odometry_frame = "odom";

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/pose4.hpp"
+#include "voxnav/geometry/pose.hpp"
 #include "voxnav/graph/graph_config.hpp"
 
 namespace voxnav::geometry {
@@ -23,7 +23,7 @@ constexpr auto words_of(ConstraintKind) { return std::array{"odometry", "registr
 constexpr int kNumConstraintKinds = static_cast<int>(words_of(ConstraintKind{}).size());
 
 struct KindReport {
-  int num_constraints = 0;   ///< that took part
+  int num_constraints = 0;   ///< constraints that took part in the solve
   double cost_before = 0.0;  ///< sum of squared whitened residuals, after the robust kernels
   double cost_after = 0.0;
 };
@@ -51,13 +51,13 @@ struct OptimizeReport {
   std::vector<RejectedLoop> rejected_loops;
 };
 
-/// For people and markers: one constraint as it stands.
+/// One constraint as it stands after the last solve, for markers and for people.
 struct ConstraintView {
   ConstraintKind kind;
   int a;
-  int b;        ///< equal to a where only one submap is held
-  double cost;  ///< squared whitened residual
-  bool is_used;
+  int b;         ///< equal to a for constraints of a single submap
+  double cost;   ///< squared whitened residual
+  bool is_used;  ///< false for kinds that are switched off and loops that were rejected
 };
 
 /// Pose graph of submaps with four degrees of freedom each (x, y, z, yaw); roll and pitch are fixed by gravity.
@@ -77,17 +77,20 @@ class SubmapGraph {
   void add_submap(int id, const geometry::Pose& T_W_S, std::shared_ptr<const geometry::DistanceField> field = nullptr);
 
   /// @param information  of (x, y, z, yaw) of the error expressed in frame a; may be semi-definite
-  /// @param kind  kOdometry is trusted, kLoop has to agree with the rest or is rejected
+  /// @param kind  kOdometry is always used; kLoop is rejected when it disagrees with the rest of the graph
   /// @throws std::invalid_argument for unknown ids, a = b, other kinds, bad pose or information
-  void add_relative_pose(int a, int b, const geometry::Pose& T_a_b, const Matrix4& information, ConstraintKind kind);
+  void add_relative_pose(int a, int b, const geometry::Pose& T_a_b, const Eigen::Matrix4d& information,
+                         ConstraintKind kind);
 
-  /// The point p_S of a submap (antenna lever arm included) is at p_W in the map frame. Robust.
+  /// A measurement that the point p_S of a submap (the antenna, say) is at p_W in the map frame, with its covariance in
+  /// m^2. A robust loss limits what an outlier can do.
   /// @throws std::invalid_argument for an unknown id or a covariance that is not positive definite
   void add_position(int id, const geometry::Vec3& p_S, const geometry::Vec3& p_W, const Eigen::Matrix3d& covariance);
-  /// The same in a frame G whose four degrees of freedom in W are unknown and estimated with the poses.
+  /// A measurement of a position in a frame G (east, north, up, say). The four degrees of freedom of G in the map are
+  /// unknown and estimated together with the poses, see gnss_datum().
   void add_gnss_position(int id, const geometry::Vec3& p_S, const geometry::Vec3& p_G,
                          const Eigen::Matrix3d& covariance);
-  /// The point at height p_S.z of a submap is at `height_m` in the map frame. Robust.
+  /// A measurement that the point p_S of a submap is `height_m` high in the map frame. Its loss is robust too.
   void add_height(int id, const geometry::Vec3& p_S, double height_m, double sigma_m);
 
   void set_kind_enabled(ConstraintKind kind, bool is_enabled);
@@ -100,7 +103,7 @@ class SubmapGraph {
 
   /// T_W_S of every submap.
   std::map<int, geometry::Pose> poses() const;
-  /// T_W_G; nothing before the first solve with GNSS positions.
+  /// The estimated frame of GNSS positions, T_W_G; nothing before the first solve with such positions.
   std::optional<geometry::Pose> gnss_datum() const;
   std::vector<ConstraintView> constraints() const;
   int num_submaps() const;

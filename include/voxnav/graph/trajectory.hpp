@@ -7,7 +7,7 @@
 
 namespace voxnav::graph {
 
-/// Where the graph moved a submap: from T_O_S, as odometry had it, to T_W_S.
+/// The move that the graph made with a submap: from T_O_S, where odometry had put it, to T_W_S.
 struct SubmapCorrection {
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
@@ -18,8 +18,9 @@ struct SubmapCorrection {
 };
 
 /// Moves a trajectory with the submaps. Between the middles of two submaps the pose is blended from the corrections of
-/// both, in proportion to time, so that the result has no steps; before the first and after the last it follows that
-/// one. Blended is the corrected pose, not the correction: a turn about a far origin would bend it.
+/// both, in proportion to time, so that the result has no steps; before the first middle and after the last one it
+/// follows that submap alone. The corrected poses are blended and not the corrections, because a blend of turns about a
+/// far origin would bend the trajectory.
 /// @param trajectory   poses T_O_B, any order
 /// @param corrections  middles strictly rising, at least one
 /// @return poses T_W_B with the stamps of the trajectory
@@ -28,9 +29,10 @@ struct SubmapCorrection {
 std::vector<geometry::StampedPose> correct_trajectory(const std::vector<geometry::StampedPose>& trajectory,
                                                       const std::vector<SubmapCorrection>& corrections);
 
-/// The same for what the submaps hold: how each is bent so that what it saw moves with the place it was seen from.
-/// @param max_shift_m  between a middle and an end; more is no drift but a jump, on that side of which it stays rigid
-/// @return one per correction
+/// Bends that move what each submap saw together with the trajectory from which it was seen.
+/// @param max_shift_m  largest move of an end against the middle. A larger one is a jump of odometry and not drift, and
+///                     the submap stays rigid on that side.
+/// @return one bend per correction
 /// @throws std::invalid_argument when middles do not rise
 std::vector<geometry::Bend> bends_of(const std::vector<SubmapCorrection>& corrections, double max_shift_m);
 

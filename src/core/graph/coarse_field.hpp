@@ -7,9 +7,9 @@
 
 namespace voxnav::graph {
 
-/// Unsigned distances to a set of surface points on a coarse dense grid: the way in from metres away. A submap's own
-/// field ends where nothing was observed, which is half a metre beside a trunk; this one has an answer everywhere
-/// around the surfaces, and costs a few nanoseconds.
+/// Unsigned distances to a set of surface points on a coarse dense grid, by which registration finds its way from
+/// metres away. The field of the submap itself ends where nothing was observed, half a metre beside a trunk; this one
+/// has an answer everywhere around the surfaces, within a few nanoseconds.
 class CoarseField final : public geometry::DistanceField {
  public:
   /// @param cell_m  spacing of the grid; widened where the points span more than 4 million cells
@@ -17,7 +17,7 @@ class CoarseField final : public geometry::DistanceField {
   CoarseField(const std::vector<geometry::SurfacePoint>& points, double cell_m, double reach_m);
 
   bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
-  /// Not kept.
+  /// Always empty: the points are not kept.
   const std::vector<geometry::SurfacePoint>& surface_points() const override { return none_; }
   geometry::Aabb surface_bounds() const override { return bounds_; }
   double resolution_m() const override { return cell_m_; }

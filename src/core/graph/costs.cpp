@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
 
-/// Ceres' CauchyLoss on a squared residual.
+/// The loss that the solver applies (ceres::CauchyLoss), so that costs reported here are those it minimises.
 double cauchy(double squared, double width) { return width * width * std::log1p(squared / (width * width)); }
 
 void add(double cost, KindReport* kind) {

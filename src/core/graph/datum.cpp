@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -27,7 +27,8 @@ struct Alignment {
   double spread_m;
 };
 
-/// Weighted least-squares turn and shift. Source: Umeyama, PAMI 1991, restricted to a turn about z.
+/// Weighted least-squares turn and shift.
+/// Source: Umeyama, Least-squares estimation of transformation parameters, PAMI 1991, restricted to turns about z.
 Alignment align(const std::vector<Match>& matches) {
   constexpr double kMinSpreadM = 0.5;  // below it the heading is noise
   geometry::Vec3 mean_W = geometry::Vec3::Zero();
@@ -57,7 +58,7 @@ Alignment align(const std::vector<Match>& matches) {
   return out;
 }
 
-/// Fixes far from the alignment lose weight, on the scale of the median.
+/// Gives fixes that lie far from the alignment, compared with the median fix, less weight in the next one.
 void reweigh(const Pose4& T_W_G, std::vector<Match>* matches) {
   std::vector<double> errors;
   for (const Match& m : *matches) errors.push_back((m.p_W - to_pose(T_W_G) * m.p_G).norm());

@@ -17,9 +17,10 @@ struct RelativePoseFactor {
   Pose4 evaluate(const Pose4& T_W_a, const Pose4& T_W_b, Matrix4* jacobian_a, Matrix4* jacobian_b) const;
 };
 
-/// Where a submap lay while it saw something, if the drift between the middles of two submaps came evenly. The pose of
-/// a submap holds for its middle; `share` (0 to 1/2) of the way to the next or the last one, the estimate has taken
-/// this share of how far the two have moved against their odometry:
+/// Where a submap lay at the time it saw something, under the assumption that drift grows evenly from the middle of one
+/// submap to the middle of the next. The pose of a submap holds for its middle. At `share` (0 to 1/2) of the way from
+/// there to the middle of its neighbour, the submap has moved by this share of what the graph moved the neighbour
+/// against odometry:
 /// t' = t + share (t_neighbour ± R_z(ψ_earlier) step − t), yaw unchanged.
 struct SeenAt {
   double share = 0.0;

@@ -9,7 +9,7 @@
 namespace voxnav::graph {
 namespace {
 
-/// Numbers of one line; every failure names the line.
+/// Reads the numbers of one line; its errors name the line.
 class Line {
  public:
   Line(const std::string& text, int number) : stream_(text), number_(number) {}
@@ -81,7 +81,7 @@ Matrix4 spread(const Eigen::Matrix<double, N, N>& from, const int (&keep)[K], co
   return out;
 }
 
-/// In the plane z is held by as much as x and y, so that nothing is free.
+/// Information of a planar edge: z is held as firmly as x and y, so that no direction is left free.
 Matrix4 planar_information(const Eigen::Matrix3d& information) {
   Matrix4 out = spread<3, 3>(information, {0, 1, 2}, {0, 1, 3});
   out(2, 2) = std::max(information(0, 0), information(1, 1));

@@ -21,15 +21,15 @@ struct G2o {
   std::vector<G2oEdge> edges;
 };
 
-/// Reads VERTEX_SE3:QUAT, EDGE_SE3:QUAT, VERTEX_SE2, EDGE_SE2 (as z = 0, held there) and ignores comments and FIX.
-/// Of the 6x6 information of an SE3 edge the rows x, y, z, yaw are used; rotation is taken in radians, as Ceres' and
-/// GTSAM's readers do (g2o itself means half angles).
+/// Reads VERTEX_SE3:QUAT and EDGE_SE3:QUAT, and VERTEX_SE2 and EDGE_SE2 as poses at z = 0 that are held there. Comments
+/// and FIX are ignored. Of the 6x6 information of an SE3 edge the rows x, y, z and yaw are used. Rotation counts in
+/// radians, as in the readers of Ceres and GTSAM, while g2o itself means half angles.
 /// @throws std::invalid_argument naming line and fault: unknown tag, missing or non-finite number, tilted pose,
 ///         unknown vertex, duplicate vertex
 G2o read_g2o(const std::string& text);
 
-/// Writes SE3:QUAT vertices and edges with 17 significant digits. Roll and pitch, which are fixed here, get the
-/// largest information of the edge.
+/// Writes vertices and edges of type SE3:QUAT with 17 significant digits. Roll and pitch, which the graph holds fixed,
+/// get the largest information of their edge.
 std::string write_g2o(const G2o& file);
 
 }  // namespace voxnav::graph

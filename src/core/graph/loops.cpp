@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
 
-/// How sure the graph is of where submaps are: inverse of its Gauss-Newton matrix at the present estimate.
+/// Covariances of poses: parts of the inverse of the graph's Gauss-Newton matrix at an estimate.
 class Marginals {
  public:
   Marginals(const GraphState& state, const Estimate& estimate) {
@@ -32,7 +32,7 @@ class Marginals {
 
   bool is_valid() const { return solver_.info() == Eigen::Success; }
 
-  /// Joint covariance of two poses (x y z yaw of a, then of b).
+  /// Joint covariance of two poses: x, y, z, yaw of a, then of b.
   Matrix8 joint(int a, int b) const {
     const int column[2] = {columns_.at(a), columns_.at(b)};
     Eigen::MatrixXd units = Eigen::MatrixXd::Zero(solver_.rows(), 8);
@@ -46,7 +46,7 @@ class Marginals {
  private:
   void add_anchors(const GraphState& state, const Estimate& estimate) {
     constexpr double kFixed = 1e12;
-    constexpr double kLoose = 1e-6;  // a kilometre: keeps submaps that nothing holds from making the matrix singular
+    constexpr double kLoose = 1e-6;  // sigma of a kilometre, so that a submap without constraints is not singular
     for (const auto& [id, column] : columns_) {
       for (int k = 0; k < 4; ++k) entries_.emplace_back(column + k, column + k, column == 0 ? kFixed : kLoose);
     }
@@ -99,19 +99,19 @@ std::string sentence(const char* format, double chi2, double gate) {
   return text;
 }
 
-/// Accepts what agrees with the graph as it is. @return how many
+/// Accepts the loops that agree with the graph as it is and rejects the others. @return how many were accepted
 int accept_agreeing(GraphState* state, const Estimate& estimate) {
   const double gate = state->config.loop_gate_chi2;
   std::optional<Marginals> marginals;
   std::vector<RelativeConstraint*> agreeing;
   for (RelativeConstraint& loop : state->relatives) {
     if (loop.kind != ConstraintKind::kLoop || loop.state == LoopState::kAccepted) continue;
-    // What two places confirm is not measured by a graph that does not know how far it has drifted.
+    // Two places confirmed this loop. The graph, which does not know how far it has drifted, is no judge of it.
     if (loop.is_recognised) {
       agreeing.push_back(&loop);
       continue;
     }
-    // The graph's own uncertainty only lowers the distance, so that a small residual needs no marginal.
+    // The uncertainty of the graph only lowers the distance, so that a small residual does not need the marginals.
     double chi2 = residual_chi2(loop, estimate);
     if (chi2 > gate) {
       if (!marginals) marginals.emplace(*state, estimate);
@@ -128,7 +128,7 @@ int accept_agreeing(GraphState* state, const Estimate& estimate) {
   return static_cast<int>(agreeing.size());
 }
 
-/// Rejects the accepted loop that the others contradict most. @return false when all agree
+/// Rejects the accepted loop that the other constraints contradict most. @return false when all agree
 bool reject_worst(GraphState* state, const Estimate& estimate) {
   RelativeConstraint* worst = nullptr;
   double worst_chi2 = state->config.loop_gate_chi2;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <tuple>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -39,14 +39,14 @@ Estimate between(const Estimate& from, const Estimate& to, double ratio) {
   return out;
 }
 
-/// Gauss-Newton on the whole graph: each trial renews the models of the pairs that move and counts only if the true
-/// cost falls. Renewing is what takes the time, so that what is known without it is not tried.
+/// Gauss-Newton on the whole graph. Each trial renews the models of the pairs that move, and is kept only if the true
+/// cost falls. Renewing models takes most of the time, so that a trial that is known to fail without it is not made.
 class Descent {
  public:
   Descent(GraphState* state, int max_evaluations, OptimizeReport* report)
       : state_(state), max_evaluations_(max_evaluations), report_(report) {}
 
-  /// Goes from the input towards the guess. @return costs of the input
+  /// Begins at the input and makes the first step towards the guess. @return costs of the input
   std::vector<KindReport> start(const Estimate& input, const Estimate& guess) {
     const std::vector<KindReport> before = exact_costs(input);
     keep(input, total(before));
@@ -82,7 +82,7 @@ class Descent {
   const Estimate& best() const { return best_; }
 
  private:
-  /// The best so far, with the models made there.
+  /// Remembers an estimate as the best so far, with the models that were made there.
   void keep(const Estimate& best, double cost) {
     best_ = best;
     best_cost_ = cost;
@@ -97,19 +97,21 @@ class Descent {
 
   double model_cost(const Estimate& x) const { return total(costs_of(*state_, x)); }
 
-  /// Near the best estimate the models made there know as well as the pairs themselves that a step does not pay.
+  /// Whether the models already say that a step does not pay. Near the estimate at which they were made they are as
+  /// good a judge as the pairs themselves.
   bool is_hopeless(const Estimate& trial) const {
     constexpr double kModelsHold_m = 0.1;
     return largest_move_m(best_, trial) < kModelsHold_m && model_cost(trial) >= best_cost_;
   }
-  /// Whether next to nothing lies between a target and one that was in vain.
+  /// Whether a target is nearly the same as one that was tried in vain.
   bool was_refused(const Estimate& target, double move_m) const {
     return refused_ && largest_move_m(*refused_, target) < 0.2 * move_m;
   }
 
-  /// Becomes the best if its true cost is lower; leaves the models of the best. What has begun is finished, as no
-  /// decision may rest on half of the pairs: the budget is exceeded by one evaluation per pair at most.
-  /// @return its cost; nothing when the budget was used up
+  /// Makes a trial the best estimate if its true cost is lower; the models are afterwards those of the best. A trial
+  /// that has begun is finished, as no decision may rest on half of the pairs, so that the budget may be exceeded by
+  /// one evaluation per pair.
+  /// @return its cost; nothing when it is hopeless or the budget was used up
   std::optional<double> try_out(const Estimate& trial) {
     if (is_hopeless(trial) || report_->num_pair_evaluations >= max_evaluations_) return std::nullopt;
     const double cost = total(exact_costs(trial));
@@ -121,8 +123,8 @@ class Descent {
     return cost;
   }
 
-  /// All of the way, or as much of it as is best by the parabola through both costs and the slope here.
-  /// @return whether anything was gained
+  /// Tries the whole step to a target and, if that does not lower the cost, the part of it at the minimum of the
+  /// parabola through both costs and the slope at the best estimate. @return whether the cost fell
   bool step_towards(const Estimate& target) {
     constexpr double kLeastGain = 1e-4;  // of the cost, to be worth another trial
     const double from = best_cost_;

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -11,7 +11,7 @@ constexpr std::size_t kMaxSubmapsPerCell = 128;
 
 using CellMembers = std::unordered_map<geometry::Index3, std::vector<int>, geometry::Index3Hash>;
 
-/// Ids per cell of W, ascending because nodes are visited in that order.
+/// Ids of the submaps in each cell of the map, ascending because nodes are visited in that order.
 CellMembers cells_in_map(const GraphState& state, const std::map<int, Pose4>& poses) {
   CellMembers cells;
   for (const auto& [id, node] : state.nodes) {

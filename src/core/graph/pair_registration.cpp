@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "graph/pair_registration.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +9,8 @@ namespace {
 
 using geometry::Vec3;
 
-/// Points of `from` that lie where `into` is observed, at most `max_points`, and how many there were.
+/// Points of `from` that lie where `into` is observed, at most `max_points`.
+/// @param ratio  receives the share of all points of `from` that lie there
 std::vector<std::uint32_t> points_inside(const SurfaceSample& from, const SurfaceSample& into,
                                          const geometry::Pose& T_into_from, int max_points, double* ratio) {
   std::vector<std::uint32_t> out;
@@ -23,7 +23,7 @@ std::vector<std::uint32_t> points_inside(const SurfaceSample& from, const Surfac
   return out;
 }
 
-/// Running sums of one evaluation.
+/// Sums over the points of a pair, from which evaluate_pair() takes the means.
 struct Sums {
   double kernel2;
   double weight = 0.0;
@@ -51,13 +51,15 @@ struct Sums {
   }
 };
 
-/// Beside the end of what the other submap saw of a plane, its distance slopes towards that end, and between its points
-/// it ripples: neither says anything of the plane. Only what lies along the normal does.
+/// Part of a slope that a point may use. Near the end of what the other submap saw of a plane its distance field slopes
+/// towards that end, and between its surface points it ripples. Neither says anything about the plane, so that for a
+/// point in a plane only the slope along its normal counts.
 Vec3 believed(const Vec3& slope, const SamplePoint& point, const Vec3& normal) {
   return point.is_planar ? Vec3(slope.dot(normal) * normal) : slope;
 }
 
-/// One side of a pair without its drift: everything lies as what the pair shares does on average.
+/// One submap of a pair with its own drift taken out: everything it saw is moved to where it would lie, had the submap
+/// seen it at the mean time at which it saw what the pair shares.
 class Steady {
  public:
   Steady(const SurfaceSample& sample, double phase)
@@ -76,7 +78,7 @@ class Steady {
   Vec3 mean_;
 };
 
-/// When the submap saw what it shares, as a share of its time.
+/// Mean phase (0 to 1, share of the submap's time) at which the submap saw the given points.
 double mean_phase(const SurfaceSample& sample, const std::vector<std::uint32_t>& points) {
   double weight = 0.0;
   double sum = 0.0;
@@ -134,15 +136,6 @@ void add_a_in_b(const SurfaceSample& a, const SurfaceSample& b, const PairOverla
                          slope.x() * q.y() - slope.y() * q.x());
     sums->add(point.weight, distance_m - point.own_distance_m, jacobian, p.head<2>());
   }
-}
-
-/// Columns: unit moves along x, y, z of the points' centre, and a turn about it that moves the rms point by a metre.
-Matrix4 centered_basis(const PairModel& model) {
-  // Turning by dψ about the centre adds dt = −dψ (k × c') to the translation, c' = centre as seen from A's origin.
-  const Eigen::Vector2d lever = model.center_A - model.T_A_B.head<2>();
-  Matrix4 basis = Matrix4::Identity();
-  basis.col(3) << lever.y() / model.radius_m, -lever.x() / model.radius_m, 0.0, 1.0 / model.radius_m;
-  return basis;
 }
 
 }  // namespace
@@ -208,44 +201,6 @@ PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const Pa
   out.center_A = sums.first / sums.matched;
   out.radius_m = std::sqrt(std::max(1.0, sums.second / sums.matched - out.center_A.squaredNorm()));
   return out;
-}
-
-RelativePoseFactor to_factor(const PairModel& model, double information, double noise_floor, double max_step_m) {
-  const Matrix4 basis = centered_basis(model);
-  const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(basis.transpose() * model.hessian * basis);
-  const Pose4 slope = eigen.eigenvectors().transpose() * basis.transpose() * model.gradient;
-  Pose4 step = Pose4::Zero();
-  Pose4 strength = Pose4::Zero();
-  for (int k = 0; k < 4; ++k) {
-    const double kept = eigen.eigenvalues()[k] - noise_floor;
-    if (kept <= 0.0) continue;
-    strength[k] = std::sqrt(information * kept);
-    step[k] = std::clamp(-slope[k] / eigen.eigenvalues()[k], -max_step_m, max_step_m);
-  }
-  RelativePoseFactor out;
-  out.T_a_b = model.T_A_B + basis * eigen.eigenvectors() * step;
-  out.T_a_b[3] = geometry::wrap_angle(out.T_a_b[3]);
-  out.whitening = strength.asDiagonal() * eigen.eigenvectors().transpose() * basis.inverse();
-  return out;
-}
-
-PairModel refine_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
-                      const std::vector<double>& kernels_m, double noise_floor) {
-  constexpr int kMaxSteps = 12;
-  PairModel model;
-  model.T_A_B = T_A_B;
-  for (const double kernel_m : kernels_m) {
-    model = evaluate_pair(a, b, overlap, model.T_A_B, kernel_m);
-    for (int step = 0; step < kMaxSteps; ++step) {
-      const Pose4 target = to_factor(model, 1.0, noise_floor, kernel_m).T_a_b;
-      const PairModel next = evaluate_pair(a, b, overlap, target, kernel_m);
-      if (!(next.cost_m2 < model.cost_m2)) break;
-      const double moved = (target - model.T_A_B).head<3>().norm();
-      model = next;
-      if (moved < 0.01 * kernel_m) break;
-    }
-  }
-  return model;
 }
 
 }  // namespace voxnav::graph

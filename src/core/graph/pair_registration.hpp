@@ -20,9 +20,9 @@ namespace voxnav::graph {
 struct PairOverlap {
   std::vector<std::uint32_t> of_a;
   std::vector<std::uint32_t> of_b;
-  double phase_a = 0.5;  ///< when each saw what they share, as a share of its time
-  double phase_b = 0.5;
-  double ratio = 0.0;  ///< larger of the two shares of a sample that lie inside the other submap
+  double phase_a = 0.5;  ///< mean time at which A saw what the two share, as a share of A's time
+  double phase_b = 0.5;  ///< the same of B
+  double ratio = 0.0;    ///< larger of the two shares of a sample that lie inside the other submap
 };
 
 PairOverlap find_overlap(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B, int max_points);
@@ -39,18 +39,20 @@ struct PairModel {
   double radius_m = 1.0;                               ///< horizontal rms distance from center_A
 };
 
-/// The cost of evaluate_pair() alone, or some cost of at least `enough_m2` as soon as it is known to be that much.
+/// Only the cost that evaluate_pair() would find. The sum stops as soon as it is known to reach `enough_m2`, and what
+/// is then returned is some cost of at least that much.
 double cost_up_to(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                   double kernel_m, double enough_m2);
 
-/// Geman-McClure kernel of width `kernel_m`: residuals far beyond it cost kernel_m² and pull no more.
-/// O(points); deterministic.
+/// Cost and model of a pair at T_A_B with a Geman-McClure kernel of width `kernel_m`: residuals far beyond it cost
+/// kernel_m² and no longer pull. O(points); deterministic.
+/// Source of the kernel: Geman and McClure, Statistical methods for tomographic image reconstruction, 1987.
 PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                         double kernel_m);
 
 /// The pair as a factor on its relative pose: minimum of the model, and its Hessian times `information` as weight.
 /// Directions in which the surfaces say little (mean squared slope below `noise_floor`, yaw taken at the radius of the
-/// points) are left free: flat ground holds z and leaves x, y and yaw alone. The minimum is sought within `max_step_m`.
+/// points) are left free: flat ground determines z and neither x, y nor yaw. The minimum is sought within `max_step_m`.
 RelativePoseFactor to_factor(const PairModel& model, double information, double noise_floor, double max_step_m);
 
 /// Descends the pair alone from T_A_B with kernels from coarse to fine; bounded steps.

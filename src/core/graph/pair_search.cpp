@@ -8,7 +8,8 @@
 namespace voxnav::graph {
 namespace {
 
-/// A prefix of the sample keeps its stratification; upright points alone tell x, y and yaw.
+/// The first upright points of a sample. Only these determine x, y and yaw, and a prefix of a sample is as evenly
+/// spread as the whole.
 SurfaceSample upright_prefix(const SurfaceSample& sample, int max_points) {
   SurfaceSample out;
   out.field = sample.field;
@@ -34,7 +35,8 @@ struct Candidate {
 
 int steps_within(double range, double step) { return static_cast<int>(std::ceil(range / step)); }
 
-/// Turn about the middle of B's points rather than about its origin, so that x, y and yaw stay independent.
+/// T_A_B shifted by (dx, dy) and turned about the middle of B's points. A turn about the origin of B would move the
+/// points sideways too, and the steps of the grid would depend on each other.
 Pose4 moved(const Pose4& T_A_B, const Eigen::Vector2d& center_B, double dx, double dy, double dyaw) {
   const geometry::Vec3 center(center_B.x(), center_B.y(), 0.0);
   const geometry::Vec3 center_A = to_pose(T_A_B) * center;
@@ -67,7 +69,7 @@ std::vector<Candidate> score_grid(const SurfaceSample& a, const SurfaceSample& b
   const int n_xy = steps_within(search.range_m, search.step_m);
   const int n_yaw = std::min(steps_within(search.range_rad, step_rad), 45);
   std::vector<Candidate> out;
-  // What costs clearly more than the best neither is it nor keeps it from standing out.
+  // An alignment that costs clearly more than the best so far can neither win nor keep the winner from standing out.
   double enough = std::numeric_limits<double>::infinity();
   for (int k = -n_yaw; k <= n_yaw; ++k) {
     for (int j = -n_xy; j <= n_xy; ++j) {

@@ -7,23 +7,14 @@
 #include <map>
 #include <set>
 
-#include "voxnav/geometry/voxel.hpp"
+#include "graph/landmarks.hpp"
 
 namespace voxnav::graph {
 namespace {
 
-using geometry::Index3;
 using geometry::SurfacePoint;
 using geometry::Vec3;
 
-constexpr double kGroundCell_m = 1.6;
-constexpr double kColumn_m = 0.8;
-constexpr double kLowest_m = 0.5;  // above the ground: below it grass and stones stand upright too
-constexpr double kLevel_m = 0.5;
-constexpr int kLevels = 8;
-constexpr int kMinLevels = 5;  // of the eight that must hold something for a landmark
-constexpr float kUprightNormalZ = 0.7f;
-constexpr std::size_t kMaxLandmarks = 150;
 constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kMaxTriangles = 2000;
 constexpr float kShortest_m = 2.0f;
@@ -31,87 +22,9 @@ constexpr float kLongest_m = 25.0f;
 constexpr float kStep_m = 0.5f;             // tolerance of a side
 constexpr float kLeastDifference_m = 0.6f;  // sides nearer to each other could be taken for one another
 
-/// Cell of the ground plan.
-Index3 cell_of(const Vec3& p, double cell_m) {
-  Index3 out = geometry::index_of(p, cell_m);
-  out.z = 0;
-  return out;
-}
-
-/// Lowest point of each cell of the ground plan.
-std::map<Index3, double> ground_of(const std::vector<SurfacePoint>& points) {
-  std::map<Index3, double> lowest;
-  for (const SurfacePoint& point : points) {
-    const auto [at, is_new] =
-        lowest.emplace(cell_of(point.position.cast<double>(), kGroundCell_m), static_cast<double>(point.position.z()));
-    if (!is_new) at->second = std::min(at->second, static_cast<double>(point.position.z()));
-  }
-  return lowest;
-}
-
-double ground_around(const std::map<Index3, double>& ground, const Vec3& p) {
-  const Index3 center = cell_of(p, kGroundCell_m);
-  double out = p.z();
-  for (int i = 0; i < 9; ++i) {
-    const auto found = ground.find(center + Index3{i % 3 - 1, i / 3 - 1, 0});
-    if (found != ground.end()) out = std::min(out, found->second);
-  }
-  return out;
-}
-
-struct Column {
-  unsigned levels = 0;
-  int count = 0;
-  Vec3 sum = Vec3::Zero();  ///< x, y of its points, ground below them
-};
-
-std::map<Index3, Column> columns_of(const std::vector<SurfacePoint>& points) {
-  const std::map<Index3, double> ground = ground_of(points);
-  std::map<Index3, Column> columns;
-  for (const SurfacePoint& point : points) {
-    if (std::abs(point.normal.z()) > kUprightNormalZ) continue;
-    const Vec3 p = point.position.cast<double>();
-    const double ground_m = ground_around(ground, p);
-    const int level = static_cast<int>(std::floor((p.z() - ground_m - kLowest_m) / kLevel_m));
-    if (level < 0 || level >= kLevels) continue;
-    Column& column = columns[cell_of(p, kColumn_m)];
-    column.levels |= 1u << level;
-    ++column.count;
-    column.sum += Vec3(p.x(), p.y(), ground_m);
-  }
-  return columns;
-}
-
-/// Columns that hold more points than those beside them, together with these.
-std::vector<Vec3> landmarks_of(const std::map<Index3, Column>& columns) {
-  std::vector<std::pair<int, Vec3>> found;
-  for (const auto& [index, column] : columns) {
-    Column all;
-    bool is_highest = true;
-    for (int i = 0; i < 9; ++i) {
-      const auto beside = columns.find(index + Index3{i % 3 - 1, i / 3 - 1, 0});
-      if (beside == columns.end()) continue;
-      const bool is_before = beside->first < index;
-      const int count = beside->second.count;
-      is_highest = is_highest && (count < column.count || (count == column.count && !is_before));
-      all.levels |= beside->second.levels;
-      all.count += count;
-      all.sum += beside->second.sum;
-    }
-    if (is_highest && __builtin_popcount(all.levels) >= kMinLevels) found.emplace_back(all.count, all.sum / all.count);
-  }
-  if (found.size() > kMaxLandmarks) {
-    std::stable_sort(found.begin(), found.end(), [](const auto& l, const auto& r) { return l.first > r.first; });
-    found.resize(kMaxLandmarks);
-  }
-  std::vector<Vec3> out;
-  for (const auto& entry : found) out.push_back(entry.second);
-  return out;
-}
-
 float length(const Vec3& a, const Vec3& b) { return static_cast<float>((a - b).head<2>().norm()); }
 
-/// Nothing when the sides do not name the corners.
+/// The triangle of three landmarks, unless its sides are too short, too long or too alike to name its corners.
 std::optional<LandmarkTriangle> triangle_of(const std::vector<Vec3>& p, const std::array<std::uint16_t, 3>& corners) {
   struct Side {
     float length_m;
@@ -165,7 +78,7 @@ std::vector<LandmarkTriangle> triangles_of(const std::vector<Vec3>& p) {
 
 Place describe_place(const std::vector<SurfacePoint>& points) {
   Place out;
-  out.landmarks_S = landmarks_of(columns_of(points));
+  out.landmarks_S = landmarks_of(points);
   out.triangles = triangles_of(out.landmarks_S);
   return out;
 }

@@ -2,26 +2,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
 
 constexpr std::size_t kMaxPending = 500;
 
-/// Whether pairs are registered from here anyway: the search of a pair covers this.
+/// Whether ordinary registration of the pair would search there too, so that no loop closure is needed.
 bool is_within_search(const GraphState& state, const Pose4& from, const Pose4& to) {
   return (to - from).head<3>().norm() < state.config.search_range_m &&
          std::abs(geometry::wrap_angle(to[3] - from[3])) < state.config.search_range_rad;
 }
 
-/// How much the pair explains as the graph has it now.
+/// How much the pair explains where the graph has it now.
 double present_support(const GraphState& state, int a, int b) {
   const auto found = state.pairs.find({a, b});
   return found == state.pairs.end() ? 0.0 : support_of(state, found->second);
 }
 
-/// Registers b where its place was recognised in a. Nothing when the surfaces do not fit there.
+/// Registers b where its place was recognised in a; nothing when the surfaces do not fit there.
 std::optional<RecognisedLoop> verified(const GraphState& state, int a, int b) {
   const auto match = match_places(state.nodes.at(a).place, state.nodes.at(b).place);
   if (!match) return std::nullopt;

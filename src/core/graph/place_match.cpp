@@ -11,19 +11,19 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double kSame_m = 0.6;        // landmarks this near are taken for one
-constexpr double kSameHeight_m = 1.0;  // of their feet
+constexpr double kSame_m = 0.6;        // two landmarks nearer than this, horizontally, are taken for the same
+constexpr double kSameHeight_m = 1.0;  // and their feet must differ in height by no more than this
 constexpr float kSideTolerance_m = 0.5f;
 constexpr double kVoteCell_m = 1.0;
 constexpr double kVoteCell_rad = 0.1;
 constexpr int kHypotheses = 12;
 constexpr int kMinLandmarks = 6;
-constexpr double kMinShare = 0.3;      // of the landmarks of the poorer place
-constexpr double kMaxRunnerUp = 0.75;  // another pose that explains more than this share makes the match ambiguous
+constexpr double kMinShare = 0.3;      // least share of the landmarks of the place that has fewer
+constexpr double kMaxRunnerUp = 0.75;  // a second pose with more than this share of the best makes a match ambiguous
 
 using Pairing = std::vector<std::pair<int, int>>;  // landmarks of A and B taken for the same
 
-/// Least squares over paired landmarks, yaw and translation.
+/// Relative pose that brings paired landmarks together with the least squared distance.
 Pose4 fit(const Place& a, const Place& b, const Pairing& pairs) {
   Vec3 mean_a = Vec3::Zero();
   Vec3 mean_b = Vec3::Zero();
@@ -80,7 +80,7 @@ struct Vote {
   Pose4 T_A_B;
 };
 
-/// Relative poses that triangles of the same shape ask for, most wanted first.
+/// Relative poses at which triangles of the same shape coincide, those with most triangles first.
 std::vector<Pose4> hypotheses(const Place& a, const Place& b) {
   std::unordered_map<std::uint32_t, std::vector<const LandmarkTriangle*>> table;
   for (const LandmarkTriangle& triangle : a.triangles) table[triangle_key(triangle)].push_back(&triangle);
@@ -96,7 +96,7 @@ std::vector<Pose4> hypotheses(const Place& a, const Place& b) {
         Pairing pairs;
         for (int k = 0; k < 3; ++k) pairs.emplace_back(other->vertices[k], triangle.vertices[k]);
         const Pose4 T_A_B = fit(a, b, pairs);
-        const Vec3 at = to_pose(T_A_B) * center_b;  // turns little under an error of yaw
+        const Vec3 at = to_pose(T_A_B) * center_b;  // an error of yaw moves the centre less than the origin of B
         Vote& vote = votes[{static_cast<int>(std::floor(at.x() / kVoteCell_m)),
                             static_cast<int>(std::floor(at.y() / kVoteCell_m)),
                             static_cast<int>(std::floor(T_A_B[3] / kVoteCell_rad))}];

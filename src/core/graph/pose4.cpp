@@ -9,7 +9,7 @@
 namespace voxnav::graph {
 namespace {
 
-constexpr double kMinVerticalCosine = 0.9986;  // 3 degrees
+constexpr double kMinVerticalCosine = 0.9986;  // of a tilt of 3 degrees
 
 Eigen::Matrix3d rotation(double yaw_rad) { return Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()).matrix(); }
 

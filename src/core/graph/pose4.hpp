@@ -11,8 +11,8 @@ namespace voxnav::graph {
 using Pose4 = Eigen::Vector4d;
 using Matrix4 = Eigen::Matrix4d;
 
-/// @throws std::invalid_argument naming `what` when the pose is not finite and rigid, or tilted by more than 3 degrees;
-///         a smaller tilt is noise of the source and is dropped
+/// Position and heading of a pose. A tilt of up to 3 degrees is taken for noise of its source and dropped.
+/// @throws std::invalid_argument naming `what` when the pose is not finite and rigid, or tilted farther
 Pose4 to_pose4(const geometry::Pose& T_A_B, const char* what);
 geometry::Pose to_pose(const Pose4& T_A_B);
 

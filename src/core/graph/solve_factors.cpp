@@ -7,14 +7,14 @@
 #include <algorithm>
 
 #include "graph/ceres_compat.hpp"
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
 
 using PoseMap = Eigen::Map<const Pose4>;
 
-/// Into Ceres' memory, matrices row by row; nothing when Ceres does not ask for it.
+/// Copies a matrix into memory of Ceres, row by row. Ceres passes null for what it does not need.
 template <int Rows, int Columns>
 void store(const Eigen::Matrix<double, Rows, Columns>& value, double* out) {
   for (int i = 0; out && i < Rows; ++i) {
@@ -41,8 +41,8 @@ class RelativePoseCost final : public ceres::SizedCostFunction<4, 4, 4> {
   RelativePoseFactor factor_;
 };
 
-/// A registered pair: 4 residuals; blocks: poses of the two submaps and of the neighbours towards which each had moved
-/// when it saw what they share, every submap once. Analytic.
+/// 4 residuals of a registered pair. Blocks: the poses of its two submaps and of the neighbours between which each of
+/// them saw what they share, every submap once. Analytic.
 class SeenPairCost final : public ceres::CostFunction {
  public:
   SeenPairCost(const RelativePoseFactor& factor, const SeenFrom& a, const SeenFrom& b) : factor_(factor), sides_{a, b} {
@@ -151,7 +151,7 @@ void add_absolutes(const GraphState& state, Estimate* x, double* map_frame, cere
 ceres::Solver::Options options_of(const SubmapGraphConfig& config) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  // Graphs are small, and the BLAS behind SuiteSparse has threads that spin while they wait.
+  // Eigen suffices for graphs of this size, while the BLAS behind SuiteSparse starts threads that spin as they wait.
   if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;  // sums in one order: the same input gives the same bits

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "graph/g2o.hpp"
-#include "graph_state.hpp"
+#include "graph/graph_steps.hpp"
 
 namespace voxnav::graph {
 namespace {
@@ -31,14 +31,6 @@ void check_finite(const geometry::Vec3& point, const char* what) {
 }
 
 }  // namespace
-
-std::vector<std::string> SubmapGraphConfig::problems() const {
-  std::vector<std::string> out;
-  if (fine_kernel_voxels > coarse_kernel_voxels)
-    out.emplace_back("fine_kernel_voxels must not exceed coarse_kernel_voxels");
-  if (min_points_per_pair > 2 * points_per_pair) out.emplace_back("min_points_per_pair exceeds what a pair can have");
-  return out;
-}
 
 struct SubmapGraph::Impl {
   GraphState state;

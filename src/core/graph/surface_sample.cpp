@@ -16,7 +16,7 @@ using geometry::SurfacePoint;
 constexpr double kPhaseCell_m = 1.6;
 constexpr double kMostPhaseCells = 1e5;
 constexpr float kUprightNormalZ = 0.7f;  // 45 degrees
-constexpr float kPlanarWeight = 0.5f;    // only points in planes weigh more
+constexpr float kPlanarWeight = 0.5f;    // submaps give points a larger weight only where they lie in a plane
 
 bool is_usable(const SurfacePoint& point) {
   return point.position.allFinite() && point.normal.allFinite() && std::isfinite(point.weight) && point.weight > 0;
@@ -28,7 +28,7 @@ std::uint32_t scatter(std::uint32_t i) {
   return i ^ (i >> 16);
 }
 
-/// Order in which the points of one class are taken: one from every cell, then a second from every cell, ...
+/// Order in which the points of one class are taken: one of every cell, then a second one of every cell, and so on.
 std::vector<std::uint32_t> round_robin(std::map<geometry::Index3, std::vector<std::uint32_t>>* cells,
                                        std::size_t limit) {
   for (auto& [index, members] : *cells) {

@@ -13,14 +13,15 @@ namespace voxnav::graph {
 struct SamplePoint {
   geometry::Vec3 position_S;
   double weight;
-  double own_distance_m;  ///< what its own field says there: removes the bias of the field's surface
-  bool is_upright;        ///< on a wall or trunk rather than on ground
+  double own_distance_m;  ///< what the submap's own field says there; subtracted, it removes the bias of the field
+  bool is_upright;        ///< the point lies on a wall or trunk rather than on the ground
   geometry::Vec3 normal_S = geometry::Vec3::UnitZ();
-  bool is_planar = false;  ///< lies in a plane, of which only the distance along the normal says something
-  double phase = 0.5;      ///< when it was seen, as a share of the submap's time
+  bool is_planar = false;  ///< the point lies in a plane, so that only the distance along its normal counts
+  double phase = 0.5;      ///< time at which it was seen, as a share of the submap's time
 };
 
-/// How far what a submap saw at its ends lies from where it would lie had it not drifted; evenly from its middle.
+/// Drift within a submap: how far what it saw when it began and when it ended lies from where that would lie without
+/// drift. The drift is zero in the middle of the submap's time and grows evenly towards both ends.
 struct Sway {
   geometry::Vec3 begin_S = geometry::Vec3::Zero();
   geometry::Vec3 end_S = geometry::Vec3::Zero();
@@ -31,11 +32,12 @@ struct Sway {
   }
 };
 
-/// When a submap saw what lies somewhere: the mean of its surface points there.
+/// Tells at which time (phase 0 to 1 of its own time) a submap saw what lies at a place: the mean over the surface
+/// points of a cell.
 class PhaseGrid {
  public:
   explicit PhaseGrid(const std::vector<geometry::SurfacePoint>& points = {});
-  /// One half where there are none.
+  /// One half, the middle of the submap's time, where there is no surface point.
   double at(const geometry::Vec3& p_S) const;
 
  private:
@@ -49,12 +51,12 @@ class PhaseGrid {
 };
 
 /// The fixed set of surface points by which a submap is registered to others, and the field that others are
-/// registered to. Drawn once: an objective that draws anew at each evaluation has no minimum to converge to.
+/// registered to. It is drawn once, since a cost that draws anew at each evaluation has no minimum to converge to.
 struct SurfaceSample {
   std::shared_ptr<const geometry::DistanceField> field;
-  std::vector<SamplePoint> points;  ///< any prefix is stratified too
+  std::vector<SamplePoint> points;  ///< every prefix is spread as evenly as the whole
   PhaseGrid phases;
-  Sway sway;  ///< as the graph knows it by now
+  Sway sway;  ///< the present estimate of the graph
 };
 
 /// Chooses up to `max_points`, spread evenly over cells of `cell_m` and over upright and level surfaces (which
@@ -62,7 +64,7 @@ struct SurfaceSample {
 /// or have no positive weight are left out. Deterministic; O(n log n).
 SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, int max_points, double cell_m);
 
-/// The first points of a sample against the coarse field of the same surfaces: for the way in from metres away.
+/// The first points of a sample together with the coarse field of the same surfaces, for registration from metres away.
 SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m);
 
 }  // namespace voxnav::graph

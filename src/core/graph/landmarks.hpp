@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "voxnav/geometry/distance_field.hpp"
+
+namespace voxnav::graph {
+
+/// Feet of the upright things (trunks, poles, corners of walls) among the surface points of a submap, frame S: columns
+/// of a horizontal grid that hold points on at least five of the eight half metres from 0.5 m above the ground around
+/// them. The number of landmarks is bounded. O(n log n); deterministic.
+std::vector<geometry::Vec3> landmarks_of(const std::vector<geometry::SurfacePoint>& points);
+
+}  // namespace voxnav::graph
