@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How well the submap graph aligns: simulated flights with drift, without ROS. See scripts/evaluate_alignment."""
+"""Measures how well the submap graph aligns submaps on simulated flights that drift; see scripts/evaluate_alignment."""

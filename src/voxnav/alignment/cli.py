@@ -18,7 +18,7 @@ from voxnav.alignment.scenarios import SCENARIOS, Scenario
 from voxnav.plotting import require_pictures
 
 _DEFAULT = [name for name in SCENARIOS if name != "long"]
-# Worse by less than this is noise of the measurement, not a bend.
+# A trajectory that is worse by less than this is not called worse: the measurement is not more exact.
 _TOLERANCE_M = 0.005
 
 
@@ -33,7 +33,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def evaluate(scenario: Scenario, seed: int, out: str, flights: str | None) -> dict[str, Any]:
-    """Fly, solve, measure and draw one flight. Returns a dict of numbers."""
+    """Flies, solves, measures and draws one flight. Returns a dict of numbers."""
     world, flight = world_of(scenario, seed), kept_flight(scenario, seed, flights)
     solved = solve(flight)
     seconds = np.array([report.seconds for report in solved.reports])

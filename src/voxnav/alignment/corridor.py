@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An endless corridor and a LiDAR in it: nothing tells how far along it one is."""
+"""An endless corridor and a LiDAR in it: the scans do not show how far along the corridor the vehicle is."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _BOX_M = ((-1e6, 1e6), (-3.0, 3.0), (0.0, 4.0))
 
 
 class Corridor:
-    """Walls at y = +-3 m, floor at 0, ceiling at 4 m; along x without end."""
+    """A corridor without end along x, with walls at y = +-3 m, the floor at z = 0 and the ceiling at 4 m."""
 
     def ground_height(self, x: ArrayLike, y: ArrayLike) -> Array:
         return np.zeros(np.broadcast(x, y).shape)
@@ -28,7 +28,7 @@ class Corridor:
 
 
 class CorridorLidar:
-    """32 x 512 beams, 90 degrees high, 2 cm of noise."""
+    """A LiDAR with 32 x 512 beams over 90 degrees of elevation, and 2 cm of noise."""
 
     def __init__(self, seed: int) -> None:
         self._random = np.random.RandomState(seed)
@@ -38,7 +38,7 @@ class CorridorLidar:
                                                    np.cos(elevation) * np.sin(azimuth), np.sin(elevation)), axis=-1)
 
     def organised(self, T_W_L: Array) -> Array:
-        """(32, 512, 4) float32 x y z intensity."""
+        """The organised cloud of one scan: (32, 512, 4) float32 x y z intensity, sensor frame."""
         beams_W = self._beams @ T_W_L[:3, :3].T
         ranges = np.full(beams_W.shape[:2], np.inf)
         for axis in (1, 2):

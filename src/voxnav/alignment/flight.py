@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 class Flight(NamedTuple):
-    """stamps_s (n,); T_W_B (n, 4, 4) true poses, T_O_B drifting ones; submaps with how they were made."""
+    """A simulated flight. stamps_s: (n,) seconds; T_W_B: (n, 4, 4) true poses; T_O_B: (n, 4, 4) poses that drift;
+    submaps: each with the record of the poses it was made from."""
 
     stamps_s: Array
     T_W_B: Array
@@ -29,8 +30,9 @@ class Flight(NamedTuple):
 
 
 def drift_of(scenario: Scenario, num_scans: int, seed: int) -> Array:
-    """(n, 3) estimated minus true position: a random walk inside a ball, smoothed as GNSS receivers do (three lags of
-    4 s, as voxnav_simulation::GnssDrift), scaled so that its peak is the scenario's; and its trend."""
+    """Errors of the estimated position, (n, 3) metres: a random walk inside a ball, smoothed by three lags of 4 s as
+    GNSS receivers do (voxnav_simulation::GnssDrift) and scaled to the peak of the scenario, plus the trend of the
+    scenario."""
     random, dt_s, lag_s = np.random.RandomState(1000 + seed), 1.0 / scenario.scan_hz, 4.0
     walk, lags, out = np.zeros(3), np.zeros((3, 3)), np.empty((num_scans, 3))
     for i in range(num_scans):
@@ -65,7 +67,8 @@ def _scanner(scenario: Scenario, world: Any, seed: int) -> Callable[[Array, int]
 
 def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
         before_scan: Callable[[int, int], None] | None = None) -> Flight:
-    """Simulate a flight: filter, local map, submaps. Deterministic. before_scan(i, n): what happens in the world."""
+    """Simulates a flight through filter, local map and submaps. Deterministic. before_scan(i, n) is called before scan
+    i of n and may change the world."""
     world = world or world_of(scenario, seed)
     path, scan = path_of(scenario, world), _scanner(scenario, world, seed)
     T_W_B = np.array([aligned_pose(row[:3], row[3]) for row in path])
@@ -85,13 +88,13 @@ def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
 
 
 def _filled(handovers: Iterable[voxnav.Handover]) -> list[tuple[SubmapRecord, voxnav.Submap]]:
-    # Early parts of submaps are left out: nothing leaves an 80 m window within one submap here.
+    # Early parts of submaps are left out, since nothing leaves an 80 m window during one submap of these flights.
     return [(SubmapRecord(h.submap_id, h.pose_stamps[0], h.pose_stamps[-1], h.T_O_S, h.pose_stamps, h.T_S_B),
              voxnav.Submap.from_content(h.content, np.linalg.inv(h.T_O_S))) for h in handovers if h.is_final]
 
 
 def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
-    """The same, kept in a folder between runs (delete it when filter, map or submaps change)."""
+    """A flight of fly(), kept in a folder between runs. Delete the folder when filter, map or submaps change."""
     if not folder:
         return fly(scenario, seed)
     path = os.path.join(folder, "%s_%d.pickle" % (scenario.name, seed))

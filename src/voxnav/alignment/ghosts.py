@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``scripts/evaluate_ghosts``: does the merged map lose a fire truck that drove away, and nothing else? Two rounds
-about a yard with drift; the truck moves between them."""
+"""``scripts/evaluate_ghosts``: whether the merged map loses a fire truck that drove away, and nothing else. The flight
+makes two rounds about a yard, with drift, and the truck moves between them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from voxnav.plotting import require_pictures
 _RING = [(2.0, -13.0), (37.0, -13.0), (37.0, 13.0), (2.0, 13.0)]
 _NEW_PLACE = (30.0, 2.0, 1.2)  # x, y, heading
 _HALF_TRUCK_M = np.array([4.3, 1.5])
-_LOST_M = 0.5  # a surface is lost when the map has none this near any more
+_LOST_M = 0.5  # a surface is lost when the later map holds nothing this near to it
 
 
 def scenario_of(drift_m: float) -> Scenario:
@@ -54,7 +54,7 @@ def _map_of(submaps: Iterable[tuple[SubmapRecord, voxnav.Submap]], T_W_S_by_id: 
 
 def _changes(collection: voxnav.SubmapCollection, T_est: Array, T_true: Array,
              trucks: list[Array]) -> list[tuple[str, int, float]]:
-    """[(kind, voxels, metres from the nearest truck)] of what the map lists."""
+    """The changes that the map lists, as (kind, voxels, metres to the nearest place of the truck)."""
     out = []
     for change in collection.changes(10):
         center = aligned_surface(np.array([change["center"]]), T_est, T_true)[0]
@@ -64,8 +64,9 @@ def _changes(collection: voxnav.SubmapCollection, T_est: Array, T_true: Array,
 
 
 def evaluate(seed: int, drift_m: float, picture: str | None = None) -> list[tuple[Any, ...]]:
-    """Returns rows (poses, share of the old truck that is left, share of static surface that is lost, changes), and
-    draws the corrected map before the truck moved and at the end."""
+    """Flies and solves one scenario. Returns one row for drifting and one for corrected poses: (name, share of the old
+    truck that is left, share of static surface that is lost, changes). Draws the corrected map before the truck moved
+    and at the end if `picture` names a file."""
     scenario = scenario_of(drift_m)
     world: Any = world_of(scenario, seed)
     trucks, moved_at_s = [world.vehicle_pose()], []

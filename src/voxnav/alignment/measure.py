@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a solved flight is worth against the truth."""
+"""Compares a solved flight with the truth."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 
 class Errors(NamedTuple):
-    """rmse_m, axis_m (3,): after SE(3) alignment. unaligned_m: with the first poses put together. closure_m: error of
-    the way from the first to the last pose."""
+    """Errors of a trajectory. rmse_m, and axis_m (3,) by axis: after SE(3) alignment; unaligned_m: RMSE with the first
+    poses put together; closure_m: error of the way from the first to the last pose."""
 
     rmse_m: float
     axis_m: Array
@@ -28,8 +28,9 @@ class Errors(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """A flight after its last solve. stamps_s (n,); T_W_B and T_true (n, 4, 4). worst_excess_m: over all solves, by how
-    much the trajectory so far was worse than its input so far (not positive where it never was)."""
+    """A flight after its last solve. stamps_s: (n,); T_W_B and T_true: (n, 4, 4). worst_excess_m: the most, over all
+    solves, by which the RMSE of the trajectory up to then exceeded that of its input; not positive when no solve made
+    it worse."""
 
     stamps_s: Array
     T_W_B: Array
@@ -54,7 +55,7 @@ def errors_of(T_est: Array, T_true: Array) -> Errors:
 
 def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
           optimizer_config: voxnav.OptimizerConfig | None = None) -> Solved:
-    """Feed the submaps to a session in order, solving after each, as in flight."""
+    """Gives the submaps to an optimiser session in their order and solves after each, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
     for record, submap in flight.submaps:
         session.add_submap(record, submap.registration_field(record.stamps_s, record.T_S_B))
@@ -67,7 +68,7 @@ def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
 
 
 def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
-    """(n, 3) surface points of the merged map, in W: what users of the map are given."""
+    """(n, 3) surface points of the merged map in frame W, which is what users of the map get."""
     collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
         collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
@@ -75,7 +76,7 @@ def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[in
 
 
 def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
-    """(n, 3) points that each submap saw itself, in W: what alignment moves."""
+    """(n, 3) surface points in frame W that each submap saw itself, and which alignment therefore moves."""
     parts = []
     for record, submap in flight.submaps:
         T = T_W_S_by_id[record.id]
@@ -85,7 +86,7 @@ def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, 
 
 
 def aligned_surface(points: Array, T_est: Array, T_true: Array) -> Array:
-    """Points put where the trajectory fits the true one best."""
+    """(n, 3) points moved by the SE(3) alignment of the estimated trajectory to the true one."""
     R, t = align_se3(T_est[:, :3, 3], T_true[:, :3, 3])
     return points @ R.T + t
 

@@ -15,7 +15,7 @@ from voxnav.plotting import pyplot
 
 
 def draw_errors(path: str, title: str, flight: Flight, solved: Solved) -> None:
-    """Tracks from above, and the error of each axis over time before and after."""
+    """Draws the tracks from above, and the error of each axis over time before and after the solve."""
     figure, axes = pyplot().subplots(1, 2, figsize=(13, 5))
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
     for T, colour, label in ((flight.T_O_B[rows], "tab:orange", "before"), (solved.T_W_B, "tab:blue", "after")):
@@ -35,7 +35,9 @@ def draw_errors(path: str, title: str, flight: Flight, solved: Solved) -> None:
 
 
 def draw_trunks(path: str, surfaces: dict[str, Array], world: Any, center: Array, half_width_m: float = 9.0) -> None:
-    """Surfaces between knee and crown around a place from above. surfaces: dict of title -> (n, 3) aligned points."""
+    """Draws from above the surfaces between knee and crown around a place.
+
+    surfaces: dict of title -> (n, 3) aligned points."""
     figure, axes = pyplot().subplots(1, len(surfaces), figsize=(7 * len(surfaces), 7))
     trunks = world.trunks()
     for ax, (title, points) in zip(axes, surfaces.items()):
@@ -54,10 +56,11 @@ def draw_trunks(path: str, surfaces: dict[str, Array], world: Any, center: Array
 
 
 def draw_places(path: str, maps: dict[str, tuple[Array, list[Array]]], world: Any) -> None:
-    """What maps hold between knee and crown around some places. maps: dict of title -> ((n, 3) aligned points, list of
-    (4, 2) corners of the places)."""
+    """Draws what maps hold between knee and crown around some places.
+
+    maps: dict of title -> ((n, 3) aligned points, list of (4, 2) corners of the places)."""
     figure, axes = pyplot().subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
-                                     constrained_layout=True)
+                                constrained_layout=True)
     everywhere = np.concatenate([corners for _, places in maps.values() for corners in places])
     low, high = everywhere.min(axis=0) - 6.0, everywhere.max(axis=0) + 6.0
     for ax, (title, (points, places)) in zip(axes, maps.items()):
