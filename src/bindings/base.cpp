@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
-#include "base/ply.hpp"
 #include "floors.hpp"
+#include "voxnav/base/ply.hpp"
 #include "voxnav/base/stage_statistics.hpp"
 
 namespace voxnav::bindings {

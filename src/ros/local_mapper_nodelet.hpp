@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "base/clock_watch.hpp"
 #include "local_mapper_config.hpp"
 #include "pending_scans.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryQuality.h"
+#include "voxnav/base/clock_watch.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 #include "voxnav/pipeline/load_control.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/clock_watch.hpp"
+#include "voxnav/base/clock_watch.hpp"
 
 namespace voxnav::base {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/ply.hpp"
+#include "voxnav/base/ply.hpp"
 
 #include "voxnav_simulation/mesh.hpp"
 

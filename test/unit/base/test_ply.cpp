@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "base/ply.hpp"
+#include "voxnav/base/ply.hpp"
 
 using voxnav::base::PlyWriter;
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "base/ply.hpp"
+#include "voxnav/base/ply.hpp"
 
 namespace voxnav::submap {
 namespace {
