@@ -1,6 +1,6 @@
 # Messages, services and the catkin exports. catkin_python_setup() must come before generate_messages().
 find_package(catkin REQUIRED COMPONENTS
-  roscpp rospy nodelet pluginlib tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
+  roscpp rospy nodelet pluginlib tf2 tf2_msgs tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
   visualization_msgs rosgraph_msgs mrs_msgs octomap_msgs message_generation)
 
 catkin_python_setup()
@@ -14,7 +14,7 @@ generate_messages(DEPENDENCIES std_msgs geometry_msgs sensor_msgs nav_msgs visua
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES voxnav_core
-  CATKIN_DEPENDS roscpp rospy nodelet tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
+  CATKIN_DEPENDS roscpp rospy nodelet tf2 tf2_msgs tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
     visualization_msgs mrs_msgs octomap_msgs message_runtime
   DEPENDS EIGEN3
   CFG_EXTRAS voxnav-extras.cmake)

@@ -7,6 +7,7 @@
 
 #include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/cloud/point.hpp"
+#include "voxnav/cloud/sweep.hpp"
 #include "voxnav/geometry/points_view.hpp"
 
 namespace voxnav_ros {
@@ -19,6 +20,15 @@ voxnav::cloud::RawCloudView view_of(const sensor_msgs::PointCloud2& msg);
 
 /// Cloud of one row with the fields x y z intensity float32 and t uint32 (ns after the stamp).
 sensor_msgs::PointCloud2Ptr to_msg(const std::vector<voxnav::cloud::Point>& points, const std_msgs::Header& header);
+
+/// The same, and a row for each beam in which nothing returned. Such a row has no coordinates (NaN, so that whoever
+/// looks for points passes over it) and its unit direction in beam_x, beam_y, beam_z, which are 0 in rows of points.
+sensor_msgs::PointCloud2Ptr to_msg(const std::vector<voxnav::cloud::Point>& points,
+                                   const std::vector<voxnav::geometry::Vec3f>& open_beams,
+                                   const std_msgs::Header& header);
+
+/// @throws std::invalid_argument saying what is wrong with the message
+voxnav::cloud::Sweep sweep_of(const sensor_msgs::PointCloud2& msg);
 
 /// Cloud of one row with the fields x y z float32.
 sensor_msgs::PointCloud2 xyz_cloud_of(const voxnav::geometry::PointsView& points, const std_msgs::Header& header);

@@ -7,7 +7,6 @@
 #include "voxnav/Handover.h"
 #include "voxnav/Submap.h"
 #include "voxnav/SubmapPoses.h"
-#include "voxnav/cloud/cloud_layout.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -31,8 +30,5 @@ std::vector<voxnav::geometry::Pose> valid_poses(const std::vector<geometry_msgs:
 /// What drift did to each submap, in the order of the message; all are rigid where the message says nothing of it.
 /// @throws std::invalid_argument when a pose is not valid or the lists differ in length
 std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg);
-
-/// Positions of all points, missing returns included (as they are).
-std::vector<voxnav::geometry::Vec3f> positions_of(const voxnav::cloud::RawCloudView& view);
 
 }  // namespace voxnav_ros

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <pybind11/stl.h>
 
+#include <cstring>
+#include <optional>
+
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
-#include "voxnav/cloud/cloud_filter.hpp"
+#include "voxnav/cloud/open_beams.hpp"
+#include "voxnav/cloud/sweep.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -51,23 +55,25 @@ CloudLayout layout_of(const py::array& array) {
   return layout;
 }
 
-FilterResult filter(cloud::CloudFilter& self, const CloudLayout& layout, const void* data, std::size_t size,
-                    double stamp_s) {
-  const cloud::RawCloudView view(layout, static_cast<const std::uint8_t*>(data), size, base::from_seconds(stamp_s));
+FilterResult apply(cloud::CloudFilter& self, const py::array& array) {
+  const auto* bytes = static_cast<const std::uint8_t*>(array.data());
+  const cloud::RawCloudView view(layout_of(array), bytes, static_cast<std::size_t>(array.nbytes()));
   py::gil_scoped_release release;
   return self.apply(view);
 }
 
-FilterResult apply(cloud::CloudFilter& self, const py::array& array) {
-  const CloudLayout layout = layout_of(array);
-  return filter(self, layout, array.data(), static_cast<std::size_t>(array.nbytes()), 0.0);
-}
-
-FilterResult apply_raw(cloud::CloudFilter& self, const py::bytes& data, const CloudLayout& layout, double stamp_s) {
+cloud::RawCloudView view_of(const py::bytes& data, const CloudLayout& layout, base::StampNs stamp_ns) {
   char* bytes = nullptr;
   py::ssize_t size = 0;
   if (PyBytes_AsStringAndSize(data.ptr(), &bytes, &size) != 0) throw py::error_already_set();
-  return filter(self, layout, bytes, static_cast<std::size_t>(size), stamp_s);
+  return {layout, reinterpret_cast<const std::uint8_t*>(bytes), static_cast<std::size_t>(size), stamp_ns};
+}
+
+FilterResult apply_raw(cloud::CloudFilter& self, const py::bytes& data, const CloudLayout& layout, double stamp_s,
+                       const std::optional<base::StampNs>& stamp_ns) {
+  const auto view = view_of(data, layout, stamp_ns ? *stamp_ns : base::from_seconds(stamp_s));
+  py::gil_scoped_release release;
+  return self.apply(view);
 }
 
 using FieldTuple = std::tuple<std::string, std::uint32_t, int, std::uint32_t>;
@@ -85,6 +91,54 @@ CloudLayout make_layout(std::uint32_t height, std::uint32_t width, std::uint32_t
     layout.fields.push_back({name, offset, static_cast<cloud::FieldType>(datatype), count});
   }
   return layout;
+}
+
+py::array_t<float> rows_of(const std::vector<geometry::Vec3f>& points) {
+  py::array_t<float> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
+  if (!points.empty()) std::memcpy(out.mutable_data(), points.front().data(), points.size() * sizeof(geometry::Vec3f));
+  return out;
+}
+
+std::vector<geometry::Vec3f> directions_of(const py::object& rows) {
+  if (rows.is_none()) return {};
+  const auto array = py::cast<py::array>(rows);
+  const float* data = data_of<float>(array, "open_beams", {-1, 3});
+  std::vector<geometry::Vec3f> out(static_cast<std::size_t>(array.shape(0)));
+  if (!out.empty()) std::memcpy(out.front().data(), data, out.size() * sizeof(geometry::Vec3f));
+  return out;
+}
+
+void bind_sweep(py::module_& m) {
+  using cloud::Sweep;
+  py::class_<Sweep>(m, "Sweep", "One turn of a LiDAR: what returned, when, and where nothing did. See read_sweep().")
+      .def_readonly("stamp_ns", &Sweep::stamp_ns)
+      .def_readonly("start_ns", &Sweep::start_ns, "When the sweep began.")
+      .def_readonly("duration_ns", &Sweep::duration_ns, "The largest time offset.")
+      .def_property_readonly("points", [](const Sweep& s) { return rows_of(s.points); },
+                             "(n, 3) float32, sensor frame [m], each as seen at its time.")
+      .def_property_readonly("time_offsets_ns",
+                             [](const Sweep& s) {
+                               return py::array_t<std::uint32_t>(static_cast<py::ssize_t>(s.time_offsets_ns.size()),
+                                                                 s.time_offsets_ns.data());
+                             },
+                             "(n,) uint32, after start_ns.")
+      .def_property_readonly("open_beams", [](const Sweep& s) { return rows_of(s.open_beams); },
+                             "(k, 3) float32 unit directions in which nothing returned.");
+  m.def("read_sweep",
+        [](const py::bytes& data, const CloudLayout& layout, base::StampNs stamp_ns) {
+          return cloud::read_sweep(view_of(data, layout, stamp_ns));
+        },
+        py::arg("data"), py::arg("layout"), py::arg("stamp_ns") = 0,
+        "Sweep of a cloud as drivers publish it.\n\ndata: bytes; layout: CloudLayout; stamp_ns: of its header.\n"
+        "Raises ValueError saying what is wrong with the layout. O(points).");
+  bind_config<cloud::OpenBeamsConfig>(m, "OpenBeamsConfig", "Which beams count as having met nothing.");
+  py::class_<cloud::OpenBeams>(m, "OpenBeams", "Finds the beams of organised scans that met nothing. Not thread-safe.")
+      .def(py::init<const cloud::OpenBeamsConfig&>(), py::arg("config") = cloud::OpenBeamsConfig())
+      .def("find",
+           [](cloud::OpenBeams& self, const py::bytes& data, const CloudLayout& layout) {
+             return rows_of(self.find(view_of(data, layout, 0)));
+           },
+           py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
 }
 
 void bind_layout(py::module_& m) {
@@ -114,6 +168,12 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "sweep_start_s", [](const FilterResult& r) { return base::to_seconds(r.sweep_start_ns); },
           "Start of the sweep after the cloud's stamp [s]; negative when the stamp is its end.")
+      .def("sweep",
+           [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams) {
+             return cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
+           },
+           py::arg("stamp_ns"), py::arg("open_beams") = py::none(),
+           "Sweep of a cloud with this stamp; open_beams: (k, 3) float32 from OpenBeams.find().")
       .def_readonly("num_bad_times", &FilterResult::num_bad_times)
       .def_readonly("is_ghost_filter_suspended", &FilterResult::is_ghost_filter_suspended,
                     "True when no return had any intensity, so that none was dropped for it.");
@@ -123,6 +183,7 @@ void bind_result(py::module_& m) {
 
 void bind_cloud(py::module_& m) {
   bind_layout(m);
+  bind_sweep(m);
   bind_result(m);
   bind_config<cloud::CloudFilterConfig>(m, "CloudFilterConfig", "Which returns of a scan are kept.");
   py::class_<cloud::CloudFilter>(m, "CloudFilter",
@@ -133,8 +194,10 @@ void bind_cloud(py::module_& m) {
            "cloud: (h, w, 4) float32 organised, or (n, 4) float32; x y z [m], intensity.\n"
            "Returns FilterResult. Raises ValueError on another shape or dtype. O(points).")
       .def("apply_raw", &apply_raw, py::arg("data"), py::arg("layout"), py::arg("stamp_s") = 0.0,
+           py::arg("stamp_ns") = py::none(),
            "Filter a cloud as drivers publish it, read in place.\n\n"
-           "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times.\n"
+           "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times, or stamp_ns,\n"
+           "the same to the last nanosecond.\n"
            "Raises ValueError saying what is wrong with the layout.");
 }
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <pybind11/stl.h>
+
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -6,6 +9,7 @@
 #include "arrays.hpp"
 #include "floors.hpp"
 #include "voxnav/geometry/distance_field.hpp"
+#include "voxnav/geometry/rigid_pose.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -76,9 +80,48 @@ py::array_t<float> surface_weights(const DistanceField& field) {
   return array_from(std::move(out), 0);
 }
 
+py::tuple quaternion_of(const py::array& T_A_B) {
+  const Eigen::Quaterniond q(pose_of(T_A_B, "T_A_B").linear());
+  return py::make_tuple(q.x(), q.y(), q.z(), q.w());
+}
+
+py::array_t<double> pose_from_quaternion(const py::object& position, const std::array<double, 4>& q_xyzw) {
+  const Eigen::Quaterniond q(q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2]);
+  const auto pose = geometry::make_pose(vec3_of(position, "position"), q);
+  if (!pose) throw py::value_error("a pose must be finite, and the norm of its quaternion 1 within 5 %");
+  return pose_array(*pose);
+}
+
+void bind_poses(py::module_& m) {
+  using geometry::Pose;
+  m.def("yaw_of", [](const py::array& T) { return geometry::yaw_of(pose_of(T, "T_A_B")); }, py::arg("T_A_B"),
+        "Heading of a (4, 4) float64 pose [rad].");
+  m.def("wrap_angle", &geometry::wrap_angle, py::arg("angle_rad"), "The same angle in [-pi, pi).");
+  m.def("gravity_aligned", [](const py::array& T) { return pose_array(geometry::gravity_aligned(pose_of(T, "T_A_B"))); },
+        py::arg("T_A_B"), "(4, 4) with the position and heading of a pose, roll and pitch 0.");
+  m.def("pose_from_yaw",
+        [](const py::object& position, double yaw_rad) {
+          return pose_array(geometry::from_position_yaw(vec3_of(position, "position"), yaw_rad));
+        },
+        py::arg("position"), py::arg("yaw_rad"), "(4, 4) gravity-aligned pose at a position (3,) [m].");
+  m.def("interpolate_pose",
+        [](const py::array& a, const py::array& b, double ratio) {
+          return pose_array(geometry::interpolate(pose_of(a, "a"), pose_of(b, "b"), ratio));
+        },
+        py::arg("a"), py::arg("b"), py::arg("ratio"),
+        "(4, 4): linear in position, slerp in rotation; ratio 0 gives a, 1 gives b.");
+  m.def("pose_from_quaternion", &pose_from_quaternion, py::arg("position"), py::arg("q_xyzw"),
+        "(4, 4) of a position (3,) and a quaternion (4,), as the nodes read them from messages. Raises ValueError.");
+  m.def("as_sent", [](const py::array& T) { return pose_array(geometry::as_sent(pose_of(T, "T_A_B"))); },
+        py::arg("T_A_B"), "(4, 4): a pose as it arrives when it is sent as position and quaternion.");
+  m.def("quaternion_of", &quaternion_of, py::arg("T_A_B"),
+        "(x, y, z, w) of a (4, 4) pose, as the nodes write it to messages.");
+}
+
 }  // namespace
 
 void bind_geometry(py::module_& m) {
+  bind_poses(m);
   py::class_<DistanceField, std::shared_ptr<DistanceField>>(
       m, "DistanceField",
       "Signed distances around the surfaces of one submap, frame S. Objects are immutable and of a subclass.")

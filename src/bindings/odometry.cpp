@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
+#include "imu_samples.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 
 namespace voxnav::bindings {
@@ -22,17 +23,7 @@ py::array_t<double> matrix_of(const odometry::Matrix6& matrix) {
 std::array<double, 3> list_of(const geometry::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 void add_imu(LidarOdometry& self, const py::array& stamps, const py::array& gyro, const py::array& accel) {
-  const double* t = data_of<double>(stamps, "stamps", {-1});
-  const double* w = data_of<double>(gyro, "gyro", {-1, 3});
-  const double* a = data_of<double>(accel, "accel", {-1, 3});
-  const py::ssize_t size = stamps.shape(0);
-  if (gyro.shape(0) != size || accel.shape(0) != size) throw py::value_error("stamps, gyro and accel differ in length");
-  for (py::ssize_t i = 0; i < size; ++i) {
-    if (!std::isfinite(t[i])) throw py::value_error("stamps must be finite");
-    const geometry::Vec3 rate = Eigen::Map<const geometry::Vec3>(w + 3 * i);
-    const geometry::Vec3 force = Eigen::Map<const geometry::Vec3>(a + 3 * i);
-    self.add_imu({base::from_seconds(t[i]), rate, force});
-  }
+  for (const odometry::ImuSample& sample : imu_samples_of(stamps, gyro, accel)) self.add_imu(sample);
 }
 
 std::vector<geometry::Vec3f> points_of(const py::array& array) {
@@ -84,6 +75,8 @@ void bind_results(py::module_& m) {
   py::class_<Quality>(m, "OdometryQuality", "How far a pose of LidarOdometry may be trusted.")
       .def_property_readonly(
           "state", [](const Quality& q) { return to_member(q.state); }, "OdometryState.")
+      .def_property_readonly(
+          "reason_kind", [](const Quality& q) { return to_member(q.reason_kind); }, "OdometryReason.")
       .def_readonly("reason", &Quality::reason, "Why it is not tracking, or what follows the prediction.")
       .def_readonly("inlier_ratio", &Quality::inlier_ratio)
       .def_readonly("residual_m", &Quality::residual_m, "RMS of inlier residuals.")
@@ -108,10 +101,42 @@ void bind_results(py::module_& m) {
       .def_readonly("quality", &OdometryResult::quality);
 }
 
+/// Seconds, or integers, which are nanoseconds.
+std::vector<base::StampNs> stamps_of(const py::array& stamps) {
+  std::vector<base::StampNs> out;
+  if (py::isinstance<py::array_t<std::int64_t>>(stamps)) {
+    const std::int64_t* t = data_of<std::int64_t>(stamps, "stamps", {-1});
+    out.assign(t, t + stamps.shape(0));
+    return out;
+  }
+  const double* t = data_of<double>(stamps, "stamps", {-1});
+  for (py::ssize_t i = 0; i < stamps.shape(0); ++i) {
+    if (!std::isfinite(t[i])) throw py::value_error("stamps must be finite");
+    out.push_back(base::from_seconds(t[i]));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<odometry::ImuSample> imu_samples_of(const py::array& stamps, const py::array& gyro,
+                                                const py::array& accel) {
+  const std::vector<base::StampNs> stamps_ns = stamps_of(stamps);
+  const double* w = data_of<double>(gyro, "gyro", {-1, 3});
+  const double* a = data_of<double>(accel, "accel", {-1, 3});
+  const py::ssize_t size = stamps.shape(0);
+  if (gyro.shape(0) != size || accel.shape(0) != size) throw py::value_error("stamps, gyro and accel differ in length");
+  std::vector<odometry::ImuSample> out;
+  for (py::ssize_t i = 0; i < size; ++i) {
+    out.push_back({stamps_ns[static_cast<std::size_t>(i)], Eigen::Map<const geometry::Vec3>(w + 3 * i),
+                   Eigen::Map<const geometry::Vec3>(a + 3 * i)});
+  }
+  return out;
+}
 
 void bind_odometry(py::module_& m) {
   bind_words<odometry::State>(m, "OdometryState", "How a pose of LidarOdometry came about.");
+  bind_words<odometry::Reason>(m, "OdometryReason", "Why an odometry is in the state it is in.");
   bind_results(m);
   bind_config<odometry::LidarOdometryConfig>(m, "LidarOdometryConfig", "Parameters of LidarOdometry.");
   py::class_<LidarOdometry>(m, "LidarOdometry", "LiDAR-inertial odometry against a bounded local map. Not thread-safe.")
@@ -121,7 +146,7 @@ void bind_odometry(py::module_& m) {
            py::arg("config") = odometry::LidarOdometryConfig(), py::arg("T_B_L") = py::none(),
            "T_B_L: (4, 4) float64, LiDAR in the body; identity when not given, poses are then those of the LiDAR.")
       .def("add_imu", &add_imu, py::arg("stamps"), py::arg("gyro"), py::arg("accel"),
-           "stamps (n,) float64 [s]; gyro (n, 3) float64 [rad/s]; accel (n, 3) float64 [m/s^2], +9.81 up at rest;\n"
+           "stamps (n,) float64 [s], or int64 [ns]; gyro (n, 3) float64 [rad/s]; accel (n, 3) float64 [m/s^2], +9.81 up at rest;\n"
            "axes of B. Samples that are not finite or not newer are counted and dropped.")
       .def("add_cloud", &add_cloud, py::arg("stamp"), py::arg("points_L"), py::arg("point_times") = py::none(),
            "Register one scan.\n\n"

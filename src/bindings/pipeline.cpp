@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bind_config.hpp"
 #include "floors.hpp"
+#include "mapper.hpp"
 #include "offline_config.hpp"
 #include "planning_manager.hpp"
 #include "submap_assembler.hpp"
@@ -17,6 +18,7 @@ void bind_pipeline(pybind11::module_& m) {
   bind_offline_config(m);
   bind_submap_scheduler(m);
   bind_submap_assembler(m);
+  bind_mapper(m);
 }
 
 }  // namespace voxnav::bindings

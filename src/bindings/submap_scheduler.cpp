@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "submap_scheduler.hpp"
+#include "voxnav/geometry/rigid_pose.hpp"
 #include "voxnav/pipeline/deskew.hpp"
 
 namespace voxnav::bindings {
@@ -13,8 +14,16 @@ using pipeline::Handover;
 using pipeline::SubmapScheduler;
 using pipeline::SubmapSchedulerConfig;
 
+Handover as_sent(const Handover& handover) {
+  Handover out = handover;
+  out.T_O_S = geometry::as_sent(handover.T_O_S);
+  for (geometry::StampedPose& pose : out.poses) pose.pose = geometry::as_sent(pose.pose);
+  return out;
+}
+
 void bind_handover(py::module_& m) {
   py::class_<Handover>(m, "Handover", "What the local map hands to the global map when a submap closes.")
+      .def("as_sent", &as_sent, "The same with its poses as they arrive at the submap integrator; see voxnav.as_sent().")
       .def_readonly("submap_id", &Handover::submap_id)
       .def_readonly("is_final", &Handover::is_final, "False: early content of a submap that is still open.")
       .def_readonly("reason", &Handover::reason)

@@ -38,13 +38,12 @@ class CloudFilterNodelet : public NodeletBase {
     params.section("open_beams", &open_beams);
     params.section("body_mask", &body_mask);
     params.finish();
-    open_beams_finder_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
+    if (open_beams.is_enabled) open_beams_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
     filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     points_ = nh.advertise<sensor_msgs::PointCloud2>("points_out", 5);
     rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
     far_ = nh.advertise<sensor_msgs::PointCloud2>("far_out", 5);
-    open_beams_ = nh.advertise<sensor_msgs::PointCloud2>("open_beams_out", 5);
     body_learning_ = std::make_unique<BodyLearning>(nh, body_mask);
     topic_ = nh.resolveName("cloud_in");
   }
@@ -84,13 +83,14 @@ class CloudFilterNodelet : public NodeletBase {
   void publish(const sensor_msgs::PointCloud2& msg, const voxnav::cloud::RawCloudView& view) {
     std_msgs::Header header = msg.header;
     header.stamp = to_ros(to_ns(msg.header.stamp) + result_.sweep_start_ns);
-    if (open_beams_.getNumSubscribers() > 0) {
+    if (open_beams_) {
       const auto timer = diagnostics().time("open beams");
-      const auto directions = voxnav::geometry::view_of(open_beams_finder_->find(view));
-      // As a pointer: nodelets of the same manager get it without a copy, and at once.
-      open_beams_.publish(boost::make_shared<const sensor_msgs::PointCloud2>(xyz_cloud_of(directions, header)));
+      const auto& directions = open_beams_->find(view);
+      diagnostics().set_counter("open_beams", static_cast<double>(directions.size()));
+      points_.publish(to_msg(result_.points, directions, header));
+    } else {
+      points_.publish(to_msg(result_.points, header));
     }
-    points_.publish(to_msg(result_.points, header));
     if (rejected_.getNumSubscribers() > 0) rejected_.publish(to_msg(result_.ghosts, header));
     if (far_.getNumSubscribers() > 0) far_.publish(to_msg(result_.far, header));
   }
@@ -137,14 +137,14 @@ class CloudFilterNodelet : public NodeletBase {
   }
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
-  std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_finder_;
+  std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_;  // none unless they are looked for
   std::unique_ptr<BodyLearning> body_learning_;
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;
   std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
   ros::Time last_stamp_;
   std::string topic_;
-  ros::Publisher points_, rejected_, far_, open_beams_;
+  ros::Publisher points_, rejected_, far_;
   ros::Subscriber cloud_;
 };
 

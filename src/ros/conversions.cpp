@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav_ros/conversions.hpp"
 
-#include <cmath>
+#include "voxnav/geometry/rigid_pose.hpp"
 
 namespace voxnav_ros {
-namespace {
 
+using voxnav::geometry::make_pose;
 using voxnav::geometry::Pose;
 using voxnav::geometry::Vec3;
-
-std::optional<Pose> make_pose(const Vec3& position, const Eigen::Quaterniond& q) {
-  if (!position.allFinite() || !q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 0.05) return std::nullopt;
-  Pose pose = Pose::Identity();
-  pose.linear() = q.normalized().toRotationMatrix();
-  pose.translation() = position;
-  return pose;
-}
-
-}  // namespace
 
 ros::Time to_ros(voxnav::base::StampNs stamp_ns) {
   ros::Time time;

@@ -15,6 +15,7 @@
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 #include "voxnav/pipeline/load_control.hpp"
+#include "voxnav/pipeline/mapper_config.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 #include "voxnav/pipeline/time_config.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
@@ -91,7 +92,8 @@ int main() {
         {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",
         {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
-         section<voxnav::pipeline::LoadControlConfig>("load"), section<ros_::LocalMapperConfig>("node")});
+         section<voxnav::pipeline::MapperConfig>("mapper"), section<voxnav::pipeline::LoadControlConfig>("load"),
+         section<ros_::LocalMapperConfig>("node")});
 #ifdef VOXNAV_HAS_SIMULATION
   namespace simulation = voxnav_simulation;
   print("lidar_simulator",

@@ -12,10 +12,12 @@ namespace {
 
 namespace odometry = voxnav::odometry;
 constexpr double kLogPeriod_s = 5.0;
-constexpr std::size_t kMaxWaitingClouds = 3;
 /// IMU samples from before the mounting of the LiDAR is known: enough to find out where up is.
 constexpr std::size_t kMaxEarlySamples = 1000;
 constexpr double kWaitCheck_s = 0.005;
+
+/// For clouds that wait for IMU samples, which may never come.
+double wall_s() { return ros::SteadyTime::now().toSec(); }
 
 }  // namespace
 
@@ -26,6 +28,8 @@ void LidarOdometryNodelet::initialize() {
   params.section("node", &config_);
   params.finish();
   voxnav::base::checked(odometry_config_);
+  gate_ = std::make_unique<odometry::ImuGate>(
+      odometry::ImuGate::Limits{odometry_config_.use_imu, config_.imu_timeout_s, config_.imu_wait_s});
   tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
   tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   odom_ = nh.advertise<nav_msgs::Odometry>("odom_out", 10);
@@ -68,14 +72,14 @@ void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
   const auto& a = msg->linear_acceleration;
   const odometry::ImuSample sample{to_ns(msg->header.stamp), *R_B_I_ * voxnav::geometry::Vec3(w.x, w.y, w.z),
                                    *R_B_I_ * voxnav::geometry::Vec3(a.x, a.y, a.z)};
-  newest_imu_ns_ = sample.stamp_ns;
+  gate_->note_imu(sample.stamp_ns);
   if (estimator_) {
     estimator_->add_imu(sample);
   } else {
     early_imu_.push_back(sample);
     if (early_imu_.size() > kMaxEarlySamples) early_imu_.pop_front();
   }
-  process_ready(false);
+  process_ready();
 }
 
 void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
@@ -86,12 +90,11 @@ void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg
       return drop(msg->header.stamp, "cloud on " + points_topic_ + " is in frame '" + msg->header.frame_id +
                                          "', the ones before were in '" + lidar_frame_ + "'");
     }
-    waiting_.push_back({voxnav::cloud::timed_points(view_of(*msg)), msg->header.stamp, ros::SteadyTime::now()});
+    gate_->add(sweep_of(*msg), wall_s());
   } catch (const std::exception& error) {
     return drop(msg->header.stamp, "cloud on " + points_topic_ + " refused: " + error.what());
   }
-  while (waiting_.size() > kMaxWaitingClouds) process_oldest();
-  process_ready(false);
+  process_ready();
 }
 
 bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
@@ -104,38 +107,23 @@ bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
   return true;
 }
 
-bool LidarOdometryNodelet::has_imu_for(const WaitingCloud& cloud) const {
-  if (!odometry_config_.use_imu || newest_imu_ns_ == 0) return true;
-  float last_s = 0.0F;
-  for (float t : cloud.points.times_s) last_s = std::max(last_s, t);
-  const voxnav::base::StampNs end_ns = cloud.points.sweep_start_ns + voxnav::base::from_seconds(last_s);
-  const voxnav::base::StampNs missing_ns = end_ns - newest_imu_ns_;
-  // An IMU that fell silent, or one with another clock, is not worth waiting for.
-  return missing_ns <= 0 || missing_ns > voxnav::base::from_seconds(config_.imu_timeout_s);
+void LidarOdometryNodelet::on_wait(const ros::SteadyTimerEvent&) { process_ready(); }
+
+void LidarOdometryNodelet::process_ready() {
+  while (const auto sweep = gate_->next(wall_s())) process(*sweep);
 }
 
-void LidarOdometryNodelet::on_wait(const ros::SteadyTimerEvent&) { process_ready(true); }
-
-void LidarOdometryNodelet::process_ready(bool may_give_up) {
-  while (!waiting_.empty()) {
-    const double waited_s = (ros::SteadyTime::now() - waiting_.front().arrived).toSec();
-    if (!has_imu_for(waiting_.front()) && !(may_give_up && waited_s > config_.imu_wait_s)) return;
-    process_oldest();
-  }
-}
-
-void LidarOdometryNodelet::process_oldest() {
-  const WaitingCloud cloud = std::move(waiting_.front());
-  waiting_.pop_front();
+void LidarOdometryNodelet::process(const voxnav::cloud::Sweep& sweep) {
+  const ros::Time stamp = to_ros(sweep.stamp_ns);
   odometry::OdometryResult result;
   {
     const auto timer = diagnostics().time("odometry");
-    result = estimator_->add_cloud(cloud.points.sweep_start_ns, cloud.points.positions, cloud.points.times_s);
+    result = estimator_->add_sweep(sweep);
   }
-  diagnostics().add_latency("odometry", cloud.stamp);
+  diagnostics().add_latency("odometry", stamp);
   publish(result);
   report(result);
-  publish_progress(cloud.stamp);
+  publish_progress(stamp);
 }
 
 void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
@@ -188,7 +176,7 @@ void LidarOdometryNodelet::complain(const std::string& text) {
 }
 
 bool LidarOdometryNodelet::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  waiting_.clear();
+  gate_->clear();
   if (estimator_) estimator_->reset();
   response.success = true;
   response.message = "odometry starts anew with the next cloud";

@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "lidar_odometry_config.hpp"
+#include "odometry/imu_gate.hpp"
 #include "voxnav/OdometryQuality.h"
-#include "voxnav/cloud/timed_points.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 
@@ -27,13 +27,6 @@ class LidarOdometryNodelet : public NodeletBase {
   LidarOdometryNodelet() : NodeletBase("LidarOdometry") {}
 
  private:
-  /// A cloud whose sweep the IMU samples have not covered yet.
-  struct WaitingCloud {
-    voxnav::cloud::TimedPoints points;
-    ros::Time stamp;
-    ros::SteadyTime arrived;
-  };
-
   void initialize() override;
   void start() override;
   void on_imu(const sensor_msgs::ImuConstPtr& msg);
@@ -45,9 +38,8 @@ class LidarOdometryNodelet : public NodeletBase {
   /// Pose of a sensor in the body, or nothing (said in the diagnostics) while tf does not know it.
   std::optional<voxnav::geometry::Pose> mounting(const std::string& frame);
   bool make_estimator(const std::string& lidar_frame);
-  bool has_imu_for(const WaitingCloud& cloud) const;
-  void process_ready(bool may_give_up);
-  void process_oldest();
+  void process_ready();
+  void process(const voxnav::cloud::Sweep& sweep);
   void publish(const voxnav::odometry::OdometryResult& result);
   void report(const voxnav::odometry::OdometryResult& result);
   void drop(const ros::Time& stamp, const std::string& reason);
@@ -59,8 +51,7 @@ class LidarOdometryNodelet : public NodeletBase {
   std::string lidar_frame_;
   std::optional<Eigen::Matrix3d> R_B_I_;
   std::deque<voxnav::odometry::ImuSample> early_imu_;
-  voxnav::base::StampNs newest_imu_ns_ = 0;
-  std::deque<WaitingCloud> waiting_;
+  std::unique_ptr<voxnav::odometry::ImuGate> gate_;
   std::string points_topic_, imu_topic_;
 
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;

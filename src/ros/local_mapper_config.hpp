@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "voxnav/base/config.hpp"
 
 namespace voxnav_ros {
 
+/// Where the local mapper's poses come from.
+enum class MapperPoses { kTf, kOdometry };
+constexpr auto words_of(MapperPoses) { return std::array{"tf", "odometry"}; }
+
 /// What the LocalMapper nodelet needs beside its map and its scheduler.
 struct LocalMapperConfig {
   std::string odometry_frame = "world_origin";
   std::string body_frame = "fcu";
-  bool use_deskew = true;
+  MapperPoses pose_source = MapperPoses::kTf;
   double tf_timeout_s = 0.5;
-  int max_pending_scans = 5;
-  double max_jump_m = 10.0;
-  double vehicle_radius_m = 0.8;
   double snapshot_period_s = 0.0;
   double occupied_period_s = 10.0;
   double octomap_period_s = 1.0;
@@ -28,13 +30,10 @@ struct LocalMapperConfig {
     using voxnav::base::in;
     v("odometry_frame", &C::odometry_frame, any(), "", "frame O of the map: continuous, may drift");
     v("body_frame", &C::body_frame, any(), "", "frame B of the UAV");
-    v("use_deskew", &C::use_deskew, any(), "", "undo the motion within a sweep where points carry their time");
+    v("pose_source", &C::pose_source, voxnav::base::one_of<MapperPoses>(), "",
+      "tf: poses of the sensor by tf; odometry: of the body from ~odometry_in, by tf only where the sensor sits on it");
     v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s",
       "a scan waits so long (wall time) for its pose, then it is dropped");
-    v("max_pending_scans", &C::max_pending_scans, in(1, 100), "", "scans that may wait for their pose");
-    v("max_jump_m", &C::max_jump_m, in(0.1, 10000.0), "m", "a pose that jumps farther between scans clears the map");
-    v("vehicle_radius_m", &C::vehicle_radius_m, in(0.0, 10.0), "m",
-      "around the body voxels are free unless occupied; 0 = off");
     v("snapshot_period_s", &C::snapshot_period_s, in(0.0, 1000.0), "s",
       "whole map on ~map_out; 0 = only at first: who missed a change asks ~get_map_in");
     v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s", "cloud of occupied voxels on ~occupied_out");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_mapper_nodelet.hpp"
 
-#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "local_map_messages.hpp"
@@ -10,7 +9,11 @@
 namespace voxnav_ros {
 namespace {
 
-constexpr double kRetryPeriod_s = 0.005;
+/// Scans that wait for their pose are looked through so often within tf_timeout_s.
+constexpr int kChecksPerTimeout = 4;
+
+/// For what waits for a pose: in simulated time that stands still a scan without one would be waited for in vain.
+double wall_s() { return ros::SteadyTime::now().toSec(); }
 
 /// Due when `period_s` has passed since the last time, or when time went back.
 bool is_due(const ros::Time& now, double period_s, ros::Time* last) {
@@ -22,24 +25,23 @@ bool is_due(const ros::Time& now, double period_s, ros::Time* last) {
 }  // namespace
 
 LocalMapperNodelet::~LocalMapperNodelet() {
-  if (map_ && ros::ok()) hand_over(scheduler_->finish(map_.get(), "shutdown"));
+  if (mapper_ && ros::ok()) hand_over(mapper_->finish("shutdown"));
 }
 
 void LocalMapperNodelet::initialize() {
-  occupancy::LocalMapConfig map;
-  pipeline::SubmapSchedulerConfig submap;
-  pipeline::LoadControlConfig load;
+  pipeline::MapperConfig mapper;
   ParamLoader& params = parameters();
-  params.section("map", &map);
-  params.section("submap", &submap);
-  params.section("load", &load);
+  params.section("mapper", &mapper);
+  params.section("map", &mapper.map);
+  params.section("submap", &mapper.submap);
+  params.section("load", &mapper.load);
   params.section("node", &config_);
   params.finish();
-  map_ = std::make_unique<occupancy::LocalMap>(map);
-  load_ = std::make_unique<pipeline::LoadControl>(load);
-  scheduler_ = std::make_unique<pipeline::SubmapScheduler>(submap, std::nullopt);
-  scans_ = std::make_unique<PendingScans>(config_.odometry_frame, config_.body_frame, config_.tf_timeout_s,
-                                          config_.max_pending_scans, config_.use_deskew);
+  uses_odometry_ = config_.pose_source == MapperPoses::kOdometry;
+  tf_ = std::make_unique<TfLocator>(config_.odometry_frame, config_.body_frame);
+  const pipeline::SweepLocator* locator = tf_.get();
+  if (uses_odometry_) locator = &poses_;
+  mapper_ = std::make_unique<pipeline::Mapper>(mapper, voxnav::geometry::Pose::Identity(), locator);
   advertise();
 }
 
@@ -61,90 +63,75 @@ void LocalMapperNodelet::start() {
   const auto hints = ros::TransportHints().tcpNoDelay();
   quality_ = nh.subscribe("odometry_quality_in", 5, &LocalMapperNodelet::on_quality, this, hints);
   uav_state_ = nh.subscribe("uav_state_in", 5, &LocalMapperNodelet::on_uav_state, this, hints);
-  if (map_->config().no_return_range_m >= map_->config().resolution_m) {
-    open_beams_ =
-        nh.subscribe("open_beams_in", config_.max_pending_scans, &LocalMapperNodelet::on_open_beams, this, hints);
-  }
-  points_ = nh.subscribe("points_in", config_.max_pending_scans, &LocalMapperNodelet::on_points, this, hints);
-  retry_ = nh.createSteadyTimer(ros::WallDuration(kRetryPeriod_s), [this](const ros::SteadyTimerEvent&) { process(); });
+  if (uses_odometry_) odometry_ = nh.subscribe("odometry_in", 100, &LocalMapperNodelet::on_odometry, this, hints);
+  points_ = nh.subscribe("points_in", 5, &LocalMapperNodelet::on_points, this, hints);
+  tf_->start(nh, [this] { process(); });
+  overdue_ = nh.createSteadyTimer(ros::WallDuration(config_.tf_timeout_s / kChecksPerTimeout),
+                                  [this](const ros::SteadyTimerEvent&) {
+                                    mapper_->drop_overdue(wall_s(), config_.tf_timeout_s);
+                                    process();
+                                  });
 }
 
 void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
   try {
-    if (const auto dropped = scans_->add(msg))
-      drop(dropped->header.stamp, "more scans wait for tf than max_pending_scans");
+    mapper_->add_sweep(sweep_of(*msg), std::nullopt, wall_s());
+    warn_of_missing_beams(*msg);
   } catch (const std::exception& error) {
     drop(msg->header.stamp, error.what());
   }
+  if (uses_odometry_) find_mount(msg->header.frame_id);
   process();
 }
 
-/// Those of scans that were dropped age out.
-void LocalMapperNodelet::on_open_beams(const sensor_msgs::PointCloud2ConstPtr& msg) {
-  open_beams_of_.push_back(msg);
-  if (open_beams_of_.size() > static_cast<std::size_t>(config_.max_pending_scans) + 1) open_beams_of_.pop_front();
-  process();
-}
-
-/// They come on a connection of their own, sooner or later than the points.
-bool LocalMapperNodelet::is_waiting_for_open_beams() const {
-  const auto oldest = scans_->oldest();
-  if (!oldest || oldest->age_s > config_.tf_timeout_s || open_beams_.getNumPublishers() == 0) return false;
-  return std::none_of(open_beams_of_.begin(), open_beams_of_.end(),
-                      [&](const auto& msg) { return msg->header.stamp >= oldest->stamp; });
-}
-
-std::vector<float> LocalMapperNodelet::open_beams_at(const ros::Time& stamp) const {
-  for (const auto& msg : open_beams_of_) {
-    if (msg->header.stamp == stamp) return read_points(*msg).xyz;
+void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
+  const auto T_O_B = from_msg(msg->pose.pose);
+  if (msg->header.frame_id != config_.odometry_frame || msg->child_frame_id != config_.body_frame) {
+    warn("odometry from '" + msg->header.frame_id + "' to '" + msg->child_frame_id + "' is refused, it must be from '" +
+         config_.odometry_frame + "' to '" + config_.body_frame + "'");
+  } else if (!T_O_B || !poses_.add(to_ns(msg->header.stamp), *T_O_B)) {
+    diagnostics().set_counter("poses_refused", static_cast<double>(++num_poses_refused_));
   }
-  return {};
+  process();
+}
+
+/// Of the sensor whose scans come, once tf knows where it sits.
+void LocalMapperNodelet::find_mount(const std::string& sensor_frame) {
+  if (mounted_frame_ == sensor_frame) return;
+  const auto T_B_L = tf_->mount(sensor_frame);
+  if (!T_B_L) return;
+  poses_.set_mount(*T_B_L);
+  mounted_frame_ = sensor_frame;
 }
 
 void LocalMapperNodelet::process() {
-  while (!is_waiting_for_open_beams()) {
-    PendingScans::Next next = scans_->next();
-    if (next.dropped) {
-      drop(next.dropped->header.stamp, next.reason);
-    } else if (next.scan) {
-      insert(&*next.scan);
-    } else {
-      return;
-    }
-  }
+  while (mapper_->has_next()) map_next();
 }
 
-void LocalMapperNodelet::insert(LocatedScan* scan) {
-  const ros::Time& stamp = scan->msg->header.stamp;
+void LocalMapperNodelet::map_next() {
   const double start_s = clock().now_s();
-  if (!watch_clock(stamp)) return;
-  watch_jump(scan->T_O_B);
-  thin_out(&scan->points);
+  pipeline::MapperStep step;
   {
     const auto timer = diagnostics().time("insert");
-    ScanPoints& points = scan->points;
-    pipeline::deskew(voxnav::geometry::view_of_rows(&points.xyz), points.time_offsets_ns, scan->motion);
-    const std::vector<float> open = open_beams_at(stamp);
-    report(map_->insert(voxnav::geometry::view_of_rows(points.xyz), pipeline::middle_of(scan->motion),
-                        voxnav::geometry::view_of_rows(open)));
-    if (config_.vehicle_radius_m > 0.0) map_->mark_free(scan->T_O_B.translation(), config_.vehicle_radius_m);
+    step = mapper_->next();
   }
+  const ros::Time stamp = to_ros(step.stamp_ns);
+  hand_over(step.handovers);
+  if (step.map_cleared) report_clear(*step.map_cleared);
+  if (step.fate != pipeline::SweepFate::kMapped) {
+    if (step.fate == pipeline::SweepFate::kLate) ++num_late_;
+    return drop(stamp, step.reason);
+  }
+  report(step.statistics);
   diagnostics().add_latency("insert", stamp);
   publish_map(stamp);
   {
     const auto timer = diagnostics().time("handover");
-    hand_over(scheduler_->add_scan(map_.get(), to_ns(stamp), scan->T_O_B));
+    hand_over(mapper_->close_due());
   }
   publish_pictures(stamp);
   watch_load(clock().now_s() - start_s, stamp);
   publish_progress(stamp);
-}
-
-/// First scans get coarser, and only then are some dropped (max_pending_scans); both are reported.
-void LocalMapperNodelet::thin_out(ScanPoints* points) {
-  if (load_->decimation() == 1) return;
-  load_->thin_out(3, &points->xyz);
-  load_->thin_out(1, &points->time_offsets_ns);
 }
 
 std_msgs::Header LocalMapperNodelet::header(const ros::Time& stamp) const {
@@ -155,7 +142,7 @@ std_msgs::Header LocalMapperNodelet::header(const ros::Time& stamp) const {
 }
 
 GridUpdateHeader LocalMapperNodelet::update_header(const ros::Time& stamp) const {
-  return {config_.odometry_frame, to_ns(stamp), sequence_, map_->config().resolution_m};
+  return {config_.odometry_frame, to_ns(stamp), sequence_, mapper_->map().config().resolution_m};
 }
 
 /// The first message is one; after that listeners follow the changes, and ask for one when they have missed some.
@@ -166,20 +153,20 @@ bool LocalMapperNodelet::is_snapshot_due(const ros::Time& stamp) {
 
 void LocalMapperNodelet::publish_map(const ros::Time& stamp) {
   const auto timer = diagnostics().time("publish");
-  voxnav::containers::GridUpdate update = map_->take_changes();
-  if (is_snapshot_due(stamp)) update = map_->snapshot();
+  voxnav::containers::GridUpdate update = mapper_->map().take_changes();
+  if (is_snapshot_due(stamp)) update = mapper_->map().snapshot();
   ++sequence_;
   updates_.publish(to_msg(std::move(update), update_header(stamp)));
 }
 
 void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
   if (is_due(stamp, config_.occupied_period_s, &last_occupied_)) {
-    const std::vector<float> points = map_->occupied_points();
+    const std::vector<float> points = mapper_->map().occupied_points();
     occupied_.publish(xyz_cloud_of(voxnav::geometry::view_of_rows(points), header(stamp)));
   }
   if (octomap_.getNumSubscribers() == 0 || !is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
   const auto timer = diagnostics().time("octomap");
-  octomap_.publish(octomap_of(*map_, config_.is_octomap_binary, header(stamp)));
+  octomap_.publish(octomap_of(mapper_->map(), config_.is_octomap_binary, header(stamp)));
 }
 
 void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handovers) {
@@ -194,11 +181,11 @@ void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handov
 }
 
 void LocalMapperNodelet::on_quality(const voxnav::OdometryQualityConstPtr& msg) {
-  if (msg->state == voxnav::OdometryQuality::COASTING) scheduler_->request_close("odometry");
+  if (msg->state == voxnav::OdometryQuality::COASTING) mapper_->request_close("odometry");
 }
 
 void LocalMapperNodelet::on_uav_state(const mrs_msgs::UavStateConstPtr& msg) {
-  if (estimator_iteration_ && *estimator_iteration_ != msg->estimator_iteration) scheduler_->request_close("estimator");
+  if (estimator_iteration_ && *estimator_iteration_ != msg->estimator_iteration) mapper_->request_close("estimator");
   estimator_iteration_ = msg->estimator_iteration;
 }
 

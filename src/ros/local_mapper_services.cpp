@@ -23,22 +23,22 @@ bool answer(Response* response, const std::string& done, Action action) {
 
 bool LocalMapperNodelet::on_get_map(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
   response.success = true;
-  response.grid = to_msg(map_->snapshot(), update_header(to_ros(clock_.newest_ns().value_or(0))));
+  response.grid = to_msg(mapper_->map().snapshot(), update_header(to_ros(mapper_->newest_stamp_ns().value_or(0))));
   return true;
 }
 
 bool LocalMapperNodelet::on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
-  return answer(&response, "saved to " + request.value, [&] { map_->save(request.value); });
+  return answer(&response, "saved to " + request.value, [&] { mapper_->map().save(request.value); });
 }
 
 bool LocalMapperNodelet::on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, "loaded from " + request.value, [&] {
     occupancy::LocalMap loaded = occupancy::LocalMap::load(request.value);
-    if (loaded.config().resolution_m != map_->config().resolution_m) {
+    if (loaded.config().resolution_m != mapper_->map().config().resolution_m) {
       throw std::invalid_argument("its resolution is not that of this map");
     }
     restart("shutdown", "replaced by " + request.value);
-    *map_ = std::move(loaded);
+    mapper_->map() = std::move(loaded);
     last_snapshot_ = ros::Time();
   });
 }
@@ -49,7 +49,7 @@ bool LocalMapperNodelet::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger
 
 bool LocalMapperNodelet::on_close_submap(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   return answer(&response, "closed", [&] {
-    const auto handovers = scheduler_->finish(map_.get(), "shutdown");
+    const auto handovers = mapper_->finish("shutdown");
     if (handovers.empty()) throw std::runtime_error("no submap is open");
     hand_over(handovers);
   });

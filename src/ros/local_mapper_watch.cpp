@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+
 #include "local_mapper_nodelet.hpp"
 #include "voxnav_ros/conversions.hpp"
 
@@ -14,11 +16,11 @@ constexpr double kWarningHold_s = 2.0;
 }  // namespace
 
 void LocalMapperNodelet::watch_load(double work_s, const ros::Time& stamp) {
-  if (!last_inserted_.isZero()) load_->add(work_s, (stamp - last_inserted_).toSec());
+  if (!last_inserted_.isZero()) mapper_->add_load(work_s, (stamp - last_inserted_).toSec());
   last_inserted_ = stamp;
-  diagnostics().set_counter("decimation", load_->decimation());
-  if (load_->decimation() > 1) {
-    warn("overloaded: every " + std::to_string(load_->decimation()) + "th point of a scan is used");
+  diagnostics().set_counter("decimation", mapper_->decimation());
+  if (mapper_->decimation() > 1) {
+    warn("overloaded: every " + std::to_string(mapper_->decimation()) + "th point of a scan is used");
   }
 }
 
@@ -29,8 +31,8 @@ void LocalMapperNodelet::report(const occupancy::InsertStatistics& s) {
   diagnostics().set_counter("cells_hit", static_cast<double>(s.cells_hit));
   diagnostics().set_counter("cells_missed", static_cast<double>(s.cells_missed));
   diagnostics().set_counter("cells_freed", static_cast<double>(s.cells_freed));
-  diagnostics().set_counter("blocks_evicted_dropped", static_cast<double>(map_->num_evicted_dropped()));
-  diagnostics().set_counter("map_mb", static_cast<double>(map_->memory_bytes()) * 1e-6);
+  diagnostics().set_counter("blocks_evicted_dropped", static_cast<double>(mapper_->map().num_evicted_dropped()));
+  diagnostics().set_counter("map_mb", static_cast<double>(mapper_->map().memory_bytes()) * 1e-6);
   if (ros::SteadyTime::now() > warned_ + ros::WallDuration(kWarningHold_s)) {
     diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
   }
@@ -38,42 +40,28 @@ void LocalMapperNodelet::report(const occupancy::InsertStatistics& s) {
 
 /// Hands everything over before it is forgotten.
 void LocalMapperNodelet::restart(const std::string& reason, const std::string& text) {
-  hand_over(scheduler_->finish(map_.get(), reason));
-  map_->clear();
-  last_body_.reset();
+  hand_over(mapper_->clear(reason));
+  report_clear(text);
+}
+
+void LocalMapperNodelet::report_clear(const std::string& text) {
   diagnostics().set_counter("map_clears", static_cast<double>(++num_clears_));
   warn("map cleared: " + text);
 }
 
-/// A late scan says nothing about now, and the map has newer ones: it is left out. Only when the scans after it confirm
-/// that time jumped back is the map of the future forgotten.
-bool LocalMapperNodelet::watch_clock(const ros::Time& stamp) {
-  using Verdict = voxnav::base::ClockWatch::Verdict;
-  const auto newest_ns = clock_.newest_ns();
-  const Verdict verdict = clock_.add(to_ns(stamp));
-  if (verdict == Verdict::kNext) return true;
-  const std::string from = std::to_string(voxnav::base::to_seconds(*newest_ns));
-  if (verdict == Verdict::kNewClock) {
-    restart("odometry", "time jumped back from " + from + " to " + std::to_string(stamp.toSec()));
-    return true;
-  }
-  diagnostics().set_counter("scans_late", static_cast<double>(++num_late_));
-  drop(stamp, "its stamp is not newer than that of the scan before, " + from);
-  return false;
-}
-
-void LocalMapperNodelet::watch_jump(const voxnav::geometry::Pose& T_O_B) {
-  const voxnav::geometry::Vec3 now = T_O_B.translation();
-  if (last_body_ && (now - *last_body_).norm() > config_.max_jump_m) {
-    restart("odometry", "the pose jumped by " + std::to_string((now - *last_body_).norm()) + " m");
-  }
-  last_body_ = now;
-}
-
 void LocalMapperNodelet::drop(const ros::Time& stamp, const std::string& reason) {
   diagnostics().add_dropped("insert");
+  diagnostics().set_counter("scans_late", static_cast<double>(num_late_));
   warn("scan dropped: " + reason);
   publish_progress(stamp);
+}
+
+/// Who wants open sky to be free would otherwise look for the reason in vain.
+void LocalMapperNodelet::warn_of_missing_beams(const sensor_msgs::PointCloud2& msg) {
+  const occupancy::LocalMapConfig& map = mapper_->map().config();
+  const auto is_beam = [](const sensor_msgs::PointField& field) { return field.name == "beam_x"; };
+  if (map.no_return_range_m < map.resolution_m || std::any_of(msg.fields.begin(), msg.fields.end(), is_beam)) return;
+  warn("map/no_return_range_m is set, but clouds say nothing of open beams: set open_beams/is_enabled of cloud_filter");
 }
 
 void LocalMapperNodelet::warn(const std::string& text) {

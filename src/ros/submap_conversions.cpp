@@ -87,20 +87,4 @@ SubmapEntry from_msg(const voxnav::Submap& msg) {
   return entry;
 }
 
-std::vector<voxnav::geometry::Vec3f> positions_of(const voxnav::cloud::RawCloudView& view) {
-  const voxnav::cloud::CloudAccess& access = view.access();
-  const auto read = [](const std::uint8_t* point, const voxnav::cloud::FieldAccess& field) {
-    return static_cast<float>(voxnav::cloud::read_number(point, field));
-  };
-  std::vector<voxnav::geometry::Vec3f> out;
-  out.reserve(view.num_points());
-  for (std::uint32_t row = 0; row < view.height(); ++row) {
-    const std::uint8_t* point = view.row(row);
-    for (std::uint32_t column = 0; column < view.width(); ++column, point += view.point_step()) {
-      out.emplace_back(read(point, access.x), read(point, access.y), read(point, access.z));
-    }
-  }
-  return out;
-}
-
 }  // namespace voxnav_ros

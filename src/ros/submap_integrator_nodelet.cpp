@@ -216,7 +216,7 @@ void SubmapIntegratorNodelet::integrate(const sensor_msgs::PointCloud2& msg) {
   const auto T_O_L = from_msg(transform.transform);
   if (!T_O_L) throw std::invalid_argument("tf gave no valid pose");
   {
-    const std::vector<voxnav::geometry::Vec3f> points_L = positions_of(view_of(msg));
+    const std::vector<voxnav::geometry::Vec3f> points_L = sweep_of(msg).points;
     const auto timer = diagnostics().time("integrate");
     assembler_->integrate(points_L, *T_O_L, to_ns(msg.header.stamp));
   }

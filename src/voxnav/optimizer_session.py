@@ -19,27 +19,6 @@ Fix = collections.namedtuple("Fix", "stamp_s p_G covariance")
 Height = collections.namedtuple("Height", "stamp_s height_m")
 
 
-def yaw_of(T):
-    return math.atan2(T[1, 0], T[0, 0])
-
-
-def wrap(angle):
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-def aligned_pose(position, yaw):
-    """Gravity-aligned pose."""
-    out = np.eye(4)
-    c, s = math.cos(yaw), math.sin(yaw)
-    out[:2, :2] = [[c, -s], [s, c]]
-    out[:3, 3] = position
-    return out
-
-
-def aligned(T):
-    return aligned_pose(T[:3, 3], yaw_of(T))
-
-
 def body_pose_at(record, stamp_s):
     """Gravity-aligned T_S_B at a time, or None outside of the pose history."""
     stamps = record.stamps_s
@@ -49,8 +28,7 @@ def body_pose_at(record, stamp_s):
     before, after = record.T_S_B[max(i - 1, 0)], record.T_S_B[i]
     span = stamps[i] - stamps[max(i - 1, 0)]
     ratio = (stamp_s - stamps[max(i - 1, 0)]) / span if span > 0.0 else 1.0
-    yaw = yaw_of(before) + ratio * wrap(yaw_of(after) - yaw_of(before))
-    return aligned_pose((1.0 - ratio) * before[:3, 3] + ratio * after[:3, 3], wrap(yaw))
+    return voxnav.gravity_aligned(voxnav.interpolate_pose(before, after, ratio))
 
 
 def loop_between_submaps(T_SA_A, T_SB_B, T_A_B, covariance):
@@ -66,7 +44,7 @@ def loop_between_submaps(T_SA_A, T_SB_B, T_A_B, covariance):
     rows = [0, 1, 2, 5]
     spread = jacobian @ covariance[np.ix_(rows, rows)] @ jacobian.T
     information = np.linalg.inv(0.5 * (spread + spread.T))
-    return aligned(T_SA_A @ T_A_B @ T_B_SB), 0.5 * (information + information.T)
+    return voxnav.gravity_aligned(T_SA_A @ T_A_B @ T_B_SB), 0.5 * (information + information.T)
 
 
 class OptimizerSession:
@@ -108,10 +86,10 @@ class OptimizerSession:
                 raise ValueError("submap %d is known from another time; restart the optimiser too" % record.id)
             return False
         previous = next(reversed(self._records.values())) if self._records else None
-        self._graph.add_submap(record.id, aligned(self.T_W_O @ record.T_O_S), field)
+        self._graph.add_submap(record.id, voxnav.gravity_aligned(self.T_W_O @ record.T_O_S), field)
         self._records[record.id] = record
         if previous is not None:
-            T_a_b = aligned(np.linalg.inv(previous.T_O_S) @ record.T_O_S)
+            T_a_b = voxnav.gravity_aligned(np.linalg.inv(previous.T_O_S) @ record.T_O_S)
             gap_s = max(0.0, record.start_s - previous.start_s)
             self._graph.add_relative_pose(previous.id, record.id, T_a_b, self._odometry_information(gap_s),
                                           voxnav.ConstraintKind.ODOMETRY)
@@ -159,7 +137,8 @@ class OptimizerSession:
         report = self._graph.optimize(full=full)
         if self._records:
             newest = next(reversed(self._records.values()))
-            self.T_W_O = aligned(self._graph.poses()[newest.id] @ np.linalg.inv(aligned(newest.T_O_S)))
+            T_S_O = np.linalg.inv(voxnav.gravity_aligned(newest.T_O_S))
+            self.T_W_O = voxnav.gravity_aligned(self._graph.poses()[newest.id] @ T_S_O)
         self.revision += 1
         return report
 
@@ -188,7 +167,7 @@ class OptimizerSession:
                 kept.append(record)
                 last_s = middle_s
         return ([r.id for r in kept], np.array([(r.start_s, r.end_s) for r in kept]),
-                np.array([aligned(r.T_O_S) for r in kept]), np.array([poses[r.id] for r in kept]))
+                np.array([voxnav.gravity_aligned(r.T_O_S) for r in kept]), np.array([poses[r.id] for r in kept]))
 
     def _odometry_information(self, gap_s):
         c = self.config

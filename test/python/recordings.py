@@ -48,8 +48,23 @@ def set_pose(pose, T):
     orientation.x, orientation.y, orientation.z, orientation.w = files.quaternion_from_rotation(T[:3, :3])
 
 
-def write_bag(path, scans, T_B_L=MOUNT):
-    """A bag with the scans on /points, their mount on /tf_static, and odometry at 50 Hz on /odom."""
+def imu_message(stamp):
+    """Of the body, which turns evenly around the vertical and flies along a straight line without acceleration."""
+    import rospy
+    from sensor_msgs.msg import Imu
+
+    msg = Imu()
+    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp), "body"
+    msg.angular_velocity.z = YAW_RATE_RADPS
+    msg.linear_acceleration.z = 9.81
+    return msg
+
+
+def write_bag(path, scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S):
+    """A bag with the scans on /points, their mount on /tf_static, and odometry at 50 Hz on /odom or IMU at 200 Hz on /imu.
+
+    first_stamp_s: of the first scan, which shows the flight at FIRST_STAMP_S.
+    """
     import rosbag
     import rospy
     from geometry_msgs.msg import TransformStamped
@@ -60,12 +75,16 @@ def write_bag(path, scans, T_B_L=MOUNT):
         mount = TransformStamped(child_frame_id="lidar")
         mount.header.frame_id = "body"
         set_pose(mount.transform, T_B_L)
-        out.write("/tf_static", TFMessage([mount]), rospy.Time.from_sec(0.9))
-        for t in np.arange(0.9, 1.2 + SWEEP_S * len(scans), 0.02):
+        out.write("/tf_static", TFMessage([mount]), rospy.Time.from_sec(first_stamp_s - 0.1))
+        later_s = first_stamp_s - FIRST_STAMP_S
+        end_s = 1.2 + SWEEP_S * len(scans)
+        for t in np.arange(0.9, end_s, 0.02) if with_odometry else ():
             odometry = Odometry(child_frame_id="body")
-            odometry.header.stamp, odometry.header.frame_id = rospy.Time.from_sec(t), "odom"
+            odometry.header.stamp, odometry.header.frame_id = rospy.Time.from_sec(t + later_s), "odom"
             set_pose(odometry.pose.pose, body_pose(t))
-            out.write("/odom", odometry, rospy.Time.from_sec(t))
+            out.write("/odom", odometry, rospy.Time.from_sec(t + later_s))
+        for t in np.arange(0.9, end_s, 0.005) if with_imu else ():
+            out.write("/imu", imu_message(t + later_s), rospy.Time.from_sec(t + later_s))
         for i, scan in enumerate(scans):
-            stamp = FIRST_STAMP_S + SWEEP_S * i
+            stamp = first_stamp_s + SWEEP_S * i
             out.write("/points", cloud_message(scan, stamp), rospy.Time.from_sec(stamp + SWEEP_S))

@@ -10,7 +10,6 @@ import pytest
 import voxnav
 from voxnav import files
 from voxnav.offline.cli import main
-from voxnav.offline.datasets import interpolate_pose
 
 simulation = pytest.importorskip("voxnav.simulation")
 pytest.importorskip("rosbag")
@@ -124,9 +123,19 @@ def test_a_misspelt_parameter_is_named(bag, tmp_path, capsys):
     assert "resolutoin_m" in error and "filters" in error
 
 
-def test_poses_are_interpolated_and_never_extrapolated():
-    stamps, poses = [1.0, 2.0], [simulation.pose(0, 0, 0, 3.0), simulation.pose(2, 0, 0, -3.0)]
-    middle = interpolate_pose(stamps, poses, 1.5)
-    assert np.allclose(middle[:3, 3], (1, 0, 0))
-    assert np.arctan2(middle[1, 0], middle[0, 0]) == pytest.approx(np.pi)  # the short way around
-    assert interpolate_pose(stamps, poses, 0.99) is None and interpolate_pose(stamps, poses, 2.01) is None
+def test_poses_are_interpolated_and_never_extrapolated(tmp_path):
+    turned = voxnav.interpolate_pose(simulation.pose(0, 0, 0, 3.0), simulation.pose(2, 0, 0, -3.0), 0.5)
+    assert np.allclose(turned[:3, 3], (1, 0, 0))
+    assert abs(voxnav.yaw_of(turned)) == pytest.approx(np.pi)  # the short way around
+    mapper = voxnav.Mapper(voxnav.MapperConfig())
+    result = voxnav.CloudFilter(voxnav.CloudFilterConfig()).apply(np.full((20, 4), 5.0, np.float32))
+    for stamp_s in (0.99, 1.5, 2.01):
+        mapper.queue_sweep(result.sweep(int(1e9 * stamp_s)))
+    for stamp_s, x in ((1.0, 0.0), (2.0, 2.0)):
+        mapper.add_pose(int(1e9 * stamp_s), simulation.pose(x, 0, 0))
+    mapper.end_input()
+    steps = []
+    while mapper.has_next():
+        steps.append(mapper.next())
+    assert [s.fate for s in steps] == [voxnav.SweepFate.NO_POSE, voxnav.SweepFate.MAPPED, voxnav.SweepFate.NO_POSE]
+    assert np.allclose(steps[1].T_O_B[:3, 3], (1, 0, 0))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import voxnav
-from voxnav.optimizer_session import (Fix, Height, Loop, OptimizerSession, SubmapRecord, aligned_pose, body_pose_at,
+from voxnav.optimizer_session import (Fix, Height, Loop, OptimizerSession, SubmapRecord, body_pose_at,
                                       loop_between_submaps)
 
 PERIOD_S = 10.0
@@ -16,12 +16,12 @@ PERIOD_S = 10.0
 def body_at(t):
     """True flight: a circle of 30 m, once in 200 s."""
     angle = 2.0 * np.pi * t / 200.0
-    return aligned_pose([30.0 * np.sin(angle), 30.0 * (1.0 - np.cos(angle)), 5.0], angle)
+    return voxnav.pose_from_yaw([30.0 * np.sin(angle), 30.0 * (1.0 - np.cos(angle)), 5.0], angle)
 
 
 def drifted(T, t):
     """Odometry slides and turns slowly."""
-    return aligned_pose([0.01 * t, 0.004 * t, 0.0], 0.0004 * t) @ T
+    return voxnav.pose_from_yaw([0.01 * t, 0.004 * t, 0.0], 0.0004 * t) @ T
 
 
 def record_of(k, count=11):
@@ -57,15 +57,15 @@ def test_body_pose_is_interpolated_and_never_extrapolated():
 
 
 def test_loop_between_submaps_matches_the_chain_of_poses():
-    a, b = aligned_pose([1.0, 2.0, 0.5], 0.4), aligned_pose([-3.0, 1.0, 0.2], -2.0)
-    T_A_B = aligned_pose([5.0, -2.0, 1.0], 1.2)
+    a, b = voxnav.pose_from_yaw([1.0, 2.0, 0.5], 0.4), voxnav.pose_from_yaw([-3.0, 1.0, 0.2], -2.0)
+    T_A_B = voxnav.pose_from_yaw([5.0, -2.0, 1.0], 1.2)
     T, information = loop_between_submaps(a, b, T_A_B, np.eye(6) * 0.01)
     np.testing.assert_allclose(T, a @ T_A_B @ np.linalg.inv(b), atol=1e-12)
     # Monte Carlo: the information is the inverse of the spread of the submap's pose.
     rng = np.random.default_rng(1)
     errors = []
     for noise in rng.normal(scale=0.1, size=(20000, 4)) * [1, 1, 1, 0.1]:
-        noisy = aligned_pose(T_A_B[:3, 3] + noise[:3], 1.2 + noise[3])
+        noisy = voxnav.pose_from_yaw(T_A_B[:3, 3] + noise[:3], 1.2 + noise[3])
         delta = a @ noisy @ np.linalg.inv(b)
         errors.append(np.append(delta[:3, 3] - T[:3, 3], noise[3]))
     covariance = np.diag([0.01, 0.01, 0.01, 1.0, 1.0, 0.0001])
@@ -139,7 +139,7 @@ def test_submaps_are_taken_once_and_reused_ids_refused():
 
 
 def test_gnss_in_its_own_frame_removes_drift():
-    T_G_W = aligned_pose([1000.0, -200.0, 300.0], 1.0)
+    T_G_W = voxnav.pose_from_yaw([1000.0, -200.0, 300.0], 1.0)
     session = OptimizerSession(config=voxnav.OptimizerConfig(gnss_lever_arm_m=[0.1, 0.0, 0.2]))
     for k in range(20):
         for t in PERIOD_S * k + np.array([1.0, 4.0, 8.0]):

@@ -90,10 +90,10 @@ class CloudFilterTest(unittest.TestCase):
         points["x"][0, :3] = 0.0
         points["intensity"][1, 0] = 3.0
         out = self.send_good(to_msg(points, 10.0))
-        self.assertEqual((out.height, out.width, out.point_step), (1, 28, 20))
-        self.assertEqual([f.name for f in out.fields], ["x", "y", "z", "intensity", "t"])
+        self.assertEqual((out.height, out.width, out.point_step), (1, 28, 32))
+        self.assertEqual([f.name for f in out.fields][:5], ["x", "y", "z", "intensity", "t"])
         self.assertEqual((out.header.frame_id, out.header.stamp.to_sec()), ("uav1/os_sensor", 10.0))
-        rows = np.frombuffer(out.data, np.float32).reshape(-1, 5)
+        rows = np.frombuffer(out.data, np.float32).reshape(-1, 8)
         np.testing.assert_array_equal(rows[:, 0], 5.0)
         self.assertTrue(wait_for(lambda: any(g.width == 1 for g in self.ghosts)))
 
@@ -103,6 +103,25 @@ class CloudFilterTest(unittest.TestCase):
         points["x"] = np.nan
         self.assertEqual(self.send_good(to_msg(points, 11.1)).width, 0)
         self.assertTrue(wait_for(lambda: any("was kept: 32 nan" in d.message for d in self.diagnostics)))
+
+    def test_beams_without_return_are_rows_without_coordinates(self):
+        elevation = np.linspace(0.7, -0.7, 32)[:, None]
+        azimuth = -2.0 * np.pi * np.arange(256)[None, :] / 256
+        points = np.zeros((32, 256), GAZEBO)
+        points["x"], points["y"] = 9.0 * np.cos(elevation) * np.cos(azimuth), 9.0 * np.cos(elevation) * np.sin(azimuth)
+        points["z"], points["intensity"] = 9.0 * np.sin(elevation), 100.0
+        points["x"][:16], points["y"][:16], points["z"][:16] = 0.0, 0.0, 0.0  # the sky
+        for i in range(8):  # where a beam points is learnt from its returns
+            out = self.send_good(to_msg(points, 20.0 + 0.1 * i))
+        self.assertEqual([f.name for f in out.fields], ["x", "y", "z", "intensity", "t", "beam_x", "beam_y", "beam_z"])
+        rows = np.frombuffer(out.data, np.float32).reshape(-1, out.point_step // 4)
+        is_beam = np.isnan(rows[:, 0])
+        self.assertEqual(is_beam.sum() + 16 * 256, len(rows))
+        self.assertGreater(is_beam.sum(), 100)
+        self.assertFalse(out.is_dense)
+        np.testing.assert_array_equal(rows[~is_beam, 5:], 0.0)
+        np.testing.assert_allclose(np.linalg.norm(rows[is_beam, 5:], axis=1), 1.0, atol=1e-5)
+        self.assertGreater(rows[is_beam, 7].min(), -0.05)  # upwards
 
     def test_wrong_field_types_are_named(self):
         msg = to_msg(gazebo_cloud(), 12.0)

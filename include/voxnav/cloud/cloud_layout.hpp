@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -66,6 +67,7 @@ struct CloudAccess {
   std::optional<FieldAccess> intensity;  ///< intensity, else reflectivity
   std::optional<FieldAccess> time;       ///< t, time, timestamp, time_stamp or offset_time
   TimeUnit time_unit = TimeUnit::kNanosecondsAfterStamp;
+  std::optional<std::array<FieldAccess, 3>> beam;  ///< beam_x, beam_y, beam_z of the cloud filter
 };
 
 /// A cloud read in place: the layout is checked once, the bytes are neither copied nor owned.

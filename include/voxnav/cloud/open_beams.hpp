@@ -13,6 +13,7 @@
 namespace voxnav::cloud {
 
 struct OpenBeamsConfig {
+  bool is_enabled = false;
   int margin_rows = 2;
   int margin_columns = 4;
   int row_step = 2;
@@ -21,6 +22,8 @@ struct OpenBeamsConfig {
   template <class V>
   static void fields(V&& v) {
     using C = OpenBeamsConfig;
+    v("is_enabled", &C::is_enabled, base::any(), "",
+      "look for them; they travel with the points, and let the local map clear no_return_range_m");
     v("margin_rows", &C::margin_rows, base::in(0, 32), "", "a beam is open if no beam this near returned anything");
     v("margin_columns", &C::margin_columns, base::in(0, 64), "", "the same, along a row");
     v("row_step", &C::row_step, base::in(1, 64), "", "every n-th row is looked at");

@@ -10,16 +10,35 @@
 #include "odometry/localizability.hpp"
 #include "odometry/point_map.hpp"
 #include "odometry/registration.hpp"
+#include "voxnav/cloud/sweep.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 
 namespace voxnav::odometry {
 
 enum class State : std::uint8_t { kInitializing = 0, kTracking = 1, kCoasting = 2 };
 constexpr auto words_of(State) { return std::array{"initializing", "tracking", "coasting"}; }
+/// Why the state is what it is.
+enum class Reason : std::uint8_t {
+  kNone,            ///< it tracks in all directions
+  kFirstScan,       ///< the map begins with this scan
+  kTooFewPoints,    ///< to begin a map with
+  kDegenerate,      ///< it tracks, and some directions follow the prediction
+  kFewMatches,      ///< all from here on: the registration is not trusted
+  kFewInliers,
+  kNotConverged,
+  kMovedTooFar,
+  kTurnedTooFar,
+  kOldStamp,        ///< the cloud was refused
+};
+constexpr auto words_of(Reason) {
+  return std::array{"none",        "first_scan",    "too_few_points", "degenerate",     "few_matches",
+                    "few_inliers", "not_converged", "moved_too_far",  "turned_too_far", "old_stamp"};
+}
 
 struct Quality {
   State state = State::kInitializing;
-  std::string reason;  ///< why the state is not tracking; empty when it is
+  Reason reason_kind = Reason::kNone;
+  std::string reason;  ///< the same as a sentence; empty for kNone
   double inlier_ratio = 0.0;
   double residual_m = 0.0;
   int iterations = 0;
@@ -65,6 +84,8 @@ class LidarOdometry {
   OdometryResult add_cloud(base::StampNs stamp_ns, const std::vector<geometry::Vec3f>& points_L,
                            const std::vector<float>& times_s = {});
 
+  OdometryResult add_sweep(const cloud::Sweep& sweep);
+
   /// Forgets map, motion and IMU; the next cloud starts at T_O_B.
   void reset(const geometry::Pose& T_O_B = geometry::Pose::Identity());
 
@@ -89,15 +110,19 @@ class LidarOdometry {
   std::vector<Eigen::Isometry3f> poses_within(const Sweep& sweep, const Prediction& prediction) const;
   /// Result for a cloud that cannot be used at all, or nothing.
   bool refuse_time(base::StampNs stamp_ns, OdometryResult* refused);
-  void begin(base::StampNs stamp_ns);
+  void begin(base::StampNs start_ns, base::StampNs end_ns);
   Prediction predict(base::StampNs stamp_ns) const;
   Eigen::Matrix3d rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const;
   void prepare_points(const Sweep& sweep, const std::vector<geometry::Vec3f>& points_L,
                       const std::vector<float>& times_s, const Prediction& prediction);
   Matrix6 predicted_covariance(const Prediction& prediction) const;
-  std::string distrust(const RegistrationResult& found, const Prediction& prediction) const;
+  /// Why a registration is not to be trusted, as a reason and its sentence.
+  using Explanation = std::pair<Reason, std::string>;
+  Explanation distrust(const RegistrationResult& found, const Prediction& prediction) const;
   void track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted_covariance);
-  void coast(const std::string& reason, const Prediction& prediction, const Matrix6& predicted_covariance);
+  void begin_map();
+  void locate(const Prediction& prediction);
+  void coast(const Explanation& why, const Prediction& prediction, const Matrix6& predicted_covariance);
   void measure_velocity(const geometry::Pose& found, double dt_s);
   void adapt_threshold(const geometry::Pose& predicted, const geometry::Pose& found);
   void adapt_gyro_bias(const RegistrationResult& found, const Prediction& prediction);

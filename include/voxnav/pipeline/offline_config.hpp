@@ -20,7 +20,6 @@ struct OfflineConfig {
   PoseSource pose_source = PoseSource::kAuto;
   std::array<double, 3> mount_position_m{0.0, 0.0, 0.0};
   std::array<double, 3> mount_rpy_rad{0.0, 0.0, 0.0};
-  double vehicle_radius_m = 0.0;
   double safety_distance_m = 1.5;
   bool write_mesh = true;
 
@@ -35,8 +34,6 @@ struct OfflineConfig {
     v("mount_position_m", &C::mount_position_m, base::in(-10, 10), "m",
       "position of the LiDAR on the body; all zero = as /tf_static of a bag has it");
     v("mount_rpy_rad", &C::mount_rpy_rad, base::in(-6.3, 6.3), "rad", "roll, pitch and yaw of the LiDAR on the body");
-    v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0, 5), "m",
-      "cells this close to the sensor are free, because the vehicle is there");
     v("safety_distance_m", &C::safety_distance_m, base::in(0.1, 10), "m",
       "obstacles.ply: nearer to a surface than this");
     v("write_mesh", &C::write_mesh, base::any(), "", "write mesh.ply, which takes most of the closing time");

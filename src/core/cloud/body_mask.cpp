@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "voxnav/cloud/timed_points.hpp"
+#include "voxnav/cloud/sweep.hpp"
 
 namespace voxnav::cloud {
 namespace {
@@ -32,7 +32,7 @@ BodyMaskLearner::BodyMaskLearner(const BodyMaskConfig& config)
     : config_(base::checked(config)), last_cloud_(kBins, -1), clouds_near_(kBins, 0), farthest_m_(kBins, 0.0F) {}
 
 void BodyMaskLearner::add(const RawCloudView& cloud) {
-  for (const geometry::Vec3f& p : timed_points(cloud).positions) {
+  for (const geometry::Vec3f& p : read_sweep(cloud).points) {
     const float range = p.norm();
     if (!(range > 0.0F && range <= config_.max_reach_m)) continue;  // NaN fails too
     const std::size_t bin = BodyMask::bin_of(p.x(), p.y(), p.z());

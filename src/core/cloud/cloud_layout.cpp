@@ -72,6 +72,15 @@ void resolve_time(const CloudLayout& layout, CloudAccess* access) {
   }
 }
 
+/// All three, as numbers with a fraction, or none.
+void resolve_beam(const CloudLayout& layout, CloudAccess* access) {
+  const CloudField* fields[] = {layout.find("beam_x"), layout.find("beam_y"), layout.find("beam_z")};
+  for (const CloudField* field : fields) {
+    if (!field || (field->type != FieldType::kFloat32 && field->type != FieldType::kFloat64)) return;
+  }
+  access->beam = {access_of(*fields[0]), access_of(*fields[1]), access_of(*fields[2])};
+}
+
 CloudAccess resolve(const CloudLayout& layout) {
   CloudAccess access;
   access.x = access_of(*layout.find("x"));
@@ -81,6 +90,7 @@ CloudAccess resolve(const CloudLayout& layout) {
     if (const CloudField* field = layout.find(name)) access.intensity = access_of(*field);
   }
   resolve_time(layout, &access);
+  resolve_beam(layout, &access);
   return access;
 }
 

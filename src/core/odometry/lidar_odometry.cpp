@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "odometry_limits.hpp"
 
@@ -91,14 +92,15 @@ bool LidarOdometry::refuse_time(base::StampNs stamp_ns, OdometryResult* refused)
   ++counters_.clouds_refused;
   *refused = last_;
   refused->is_new = false;
+  refused->quality.reason_kind = Reason::kOldStamp;
   refused->quality.reason = "cloud refused: its stamp is not newer than the previous one";
   return true;
 }
 
 /// First cloud: the attitude against gravity from the IMU, where it is at rest or hovering.
-void LidarOdometry::begin(base::StampNs stamp_ns) {
+void LidarOdometry::begin(base::StampNs start_ns, base::StampNs end_ns) {
   if (!config_.use_imu) return;
-  const auto force = imu_.mean_acceleration(stamp_ns - kClockJumpNs, stamp_ns + kClockJumpNs);
+  const auto force = imu_.mean_acceleration(start_ns - kClockJumpNs, end_ns);
   if (!force || std::abs(force->norm() - kGravity_mps2) > 1.5) return;
   const Pose level = upright(*force);
   T_O_B_.linear() = Eigen::AngleAxisd(geometry::yaw_of(T_O_B_), Vec3::UnitZ()) * level.linear();
@@ -115,21 +117,29 @@ Matrix6 LidarOdometry::predicted_covariance(const Prediction& prediction) const 
   return local_covariance_ + diagonal(translation_var, rotation * rotation + 1e-8);
 }
 
-std::string LidarOdometry::distrust(const RegistrationResult& found, const Prediction& prediction) const {
+LidarOdometry::Explanation LidarOdometry::distrust(const RegistrationResult& found,
+                                                   const Prediction& prediction) const {
   if (found.num_matched < config_.min_matched_points) {
-    return "only " + std::to_string(found.num_matched) + " of " + std::to_string(found.num_points) +
-           " points match the map";
+    return {Reason::kFewMatches, "only " + std::to_string(found.num_matched) + " of " +
+                                     std::to_string(found.num_points) + " points match the map"};
   }
-  if (found.inlier_ratio < config_.min_inlier_ratio) return "inlier ratio is only " + number(found.inlier_ratio);
-  if (!found.has_converged) return "registration did not converge";
+  if (found.inlier_ratio < config_.min_inlier_ratio) {
+    return {Reason::kFewInliers, "inlier ratio is only " + number(found.inlier_ratio)};
+  }
+  if (!found.has_converged) return {Reason::kNotConverged, "registration did not converge"};
   const double span = prediction.dt_s + coasted_s_;
   const double moved = (found.T_O_B.translation() - prediction.T_O_B.translation()).norm();
   const double reach = has_velocity_ ? config_.max_acceleration_mps2 * span * span : config_.max_speed_mps * span;
-  if (moved > 0.3 + reach) return "registration moved the pose by " + number(moved) + " m, more than motion allows";
+  if (moved > 0.3 + reach) {
+    return {Reason::kMovedTooFar, "registration moved the pose by " + number(moved) + " m, more than motion allows"};
+  }
   const double turned = Eigen::AngleAxisd(found.T_O_B.linear().transpose() * prediction.T_O_B.linear()).angle();
   const double turn_reach = prediction.has_imu ? 0.1 + 0.2 * span : 0.5 + span;
-  if (turned > turn_reach) return "registration turned the pose by " + number(turned) + " rad, more than motion allows";
-  return {};
+  if (turned > turn_reach) {
+    return {Reason::kTurnedTooFar,
+            "registration turned the pose by " + number(turned) + " rad, more than motion allows"};
+  }
+  return {Reason::kNone, ""};
 }
 
 void LidarOdometry::adapt_threshold(const Pose& predicted, const Pose& found) {
@@ -178,13 +188,14 @@ void LidarOdometry::track(const RegistrationResult& found, const Prediction& pre
   travelled_m_ += step.norm();
   coasted_s_ = 0.0;
   quality_.state = State::kTracking;
-  quality_.reason = found.localizability.is_degenerate()
-                        ? "some directions follow the prediction: the surroundings do not show them"
-                        : "";
+  if (found.localizability.is_degenerate()) {
+    quality_.reason_kind = Reason::kDegenerate;
+    quality_.reason = "some directions follow the prediction: the surroundings do not show them";
+  }
   extend_map();
 }
 
-void LidarOdometry::coast(const std::string& reason, const Prediction& prediction, const Matrix6& predicted) {
+void LidarOdometry::coast(const Explanation& why, const Prediction& prediction, const Matrix6& predicted) {
   ++counters_.coasted;
   travelled_m_ += (prediction.T_O_B.translation() - T_O_B_.translation()).norm();
   T_O_B_ = prediction.T_O_B;
@@ -193,7 +204,7 @@ void LidarOdometry::coast(const std::string& reason, const Prediction& predictio
   velocity_O_ *= std::exp(-prediction.dt_s / config_.coast_velocity_decay_s);
   sigma_m_ = std::min(sigma_m_ * 1.5, config_.initial_threshold_m);
   quality_.state = State::kCoasting;
-  quality_.reason = reason;
+  std::tie(quality_.reason_kind, quality_.reason) = why;
   if (coasted_s_ < config_.restart_after_s || source_.size() < static_cast<std::size_t>(config_.min_matched_points))
     return;
   // The old surroundings are lost for good; what the coasting cost stays in the covariance.
@@ -239,6 +250,39 @@ void LidarOdometry::fill_result(const Sweep& sweep, bool has_imu) {
   last_.quality = quality_;
 }
 
+void LidarOdometry::begin_map() {
+  if (source_.size() < static_cast<std::size_t>(config_.min_matched_points)) {
+    quality_.reason_kind = Reason::kTooFewPoints;
+    quality_.reason = "only " + std::to_string(source_.size()) + " points to begin a map with";
+    return;
+  }
+  quality_.reason_kind = Reason::kFirstScan;
+  quality_.reason = "first scan";
+  extend_map();
+}
+
+void LidarOdometry::locate(const Prediction& prediction) {
+  const Matrix6 predicted = predicted_covariance(prediction);
+  const PosePrior prior{prediction.T_O_B, predicted.inverse(), sigma_m_,
+                        (prediction.T_O_B.linear() * T_B_L_.linear().col(2)).cast<float>()};
+  const RegistrationResult found = register_scan(source_, prior, config_, scan_, &map_);
+  quality_.inlier_ratio = found.inlier_ratio;
+  quality_.residual_m = found.residual_m;
+  quality_.iterations = found.iterations;
+  quality_.num_points = found.num_points;
+  quality_.eigenvalues = found.localizability.eigenvalues;
+  quality_.is_degenerate = found.localizability.is_degenerate();
+  const Explanation problem = distrust(found, prediction);
+  problem.first == Reason::kNone ? track(found, prediction, predicted) : coast(problem, prediction, predicted);
+}
+
+OdometryResult LidarOdometry::add_sweep(const cloud::Sweep& sweep) {
+  std::vector<float> times_s;
+  times_s.reserve(sweep.time_offsets_ns.size());
+  for (const std::uint32_t offset : sweep.time_offsets_ns) times_s.push_back(static_cast<float>(offset) * 1e-9F);
+  return add_cloud(sweep.start_ns, sweep.points, times_s);
+}
+
 OdometryResult LidarOdometry::add_cloud(base::StampNs stamp_ns, const std::vector<Vec3f>& points_L,
                                         const std::vector<float>& times_s) {
   if (!times_s.empty() && times_s.size() != points_L.size()) {
@@ -249,31 +293,13 @@ OdometryResult LidarOdometry::add_cloud(base::StampNs stamp_ns, const std::vecto
   if (refuse_time(stamp_ns, &refused)) return refused;
   ++counters_.clouds;
   ++scan_;
-  if (map_.empty() && !has_time_) begin(stamp_ns);
   const Sweep sweep = sweep_of(stamp_ns, times_s);
+  if (map_.empty() && !has_time_) begin(stamp_ns, stamp_ns + base::from_seconds(sweep.duration_s));
   const Prediction prediction = predict(sweep.middle_ns);
   if (config_.use_imu && !prediction.has_imu) ++counters_.scans_without_imu;
   prepare_points(sweep, points_L, times_s, prediction);
   quality_ = Quality();
-  if (map_.empty()) {
-    quality_.reason = source_.size() < static_cast<std::size_t>(config_.min_matched_points)
-                          ? "only " + std::to_string(source_.size()) + " points to begin a map with"
-                          : "first scan";
-    if (quality_.reason == "first scan") extend_map();
-  } else {
-    const Matrix6 predicted = predicted_covariance(prediction);
-    PosePrior prior{prediction.T_O_B, predicted.inverse(), sigma_m_,
-                    (prediction.T_O_B.linear() * T_B_L_.linear().col(2)).cast<float>()};
-    const RegistrationResult found = register_scan(source_, prior, config_, scan_, &map_);
-    const std::string problem = distrust(found, prediction);
-    quality_.inlier_ratio = found.inlier_ratio;
-    quality_.residual_m = found.residual_m;
-    quality_.iterations = found.iterations;
-    quality_.num_points = found.num_points;
-    quality_.eigenvalues = found.localizability.eigenvalues;
-    quality_.is_degenerate = found.localizability.is_degenerate();
-    problem.empty() ? track(found, prediction, predicted) : coast(problem, prediction, predicted);
-  }
+  map_.empty() ? begin_map() : locate(prediction);
   stamp_ns_ = sweep.middle_ns;
   has_time_ = true;
   imu_.forget_before(stamp_ns - kClockJumpNs);

@@ -13,7 +13,7 @@ import voxnav
 from voxnav.alignment.corridor import Corridor, CorridorLidar
 from voxnav.alignment.scenarios import Scenario, path_of
 from voxnav.array_types import Array
-from voxnav.optimizer_session import SubmapRecord, aligned_pose
+from voxnav.optimizer_session import SubmapRecord
 
 if TYPE_CHECKING:
     from voxnav.alignment.scenarios import AnyWorld
@@ -71,7 +71,7 @@ def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
     i of n and may change the world."""
     world = world or world_of(scenario, seed)
     path, scan = path_of(scenario, world), _scanner(scenario, world, seed)
-    T_W_B = np.array([aligned_pose(row[:3], row[3]) for row in path])
+    T_W_B = np.array([voxnav.pose_from_yaw(row[:3], row[3]) for row in path])
     T_O_B = T_W_B.copy()
     T_O_B[:, :3, 3] += drift_of(scenario, len(path), seed)
     cloud_filter = voxnav.CloudFilter(voxnav.CloudFilterConfig(ghost_intensity=20.0))

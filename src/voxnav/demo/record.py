@@ -41,6 +41,7 @@ class FlightRecord:
         self.speed_factor = 1.0  # what was asked for
         self.truth_track, self.odometry_track = Track(), Track()
         self.optimised: tuple[Array, Array] = (np.empty(0), np.empty((0, 3)))
+        self.optimised_poses: Array = np.empty((0, 4, 4))  # of the same stamps
         self.mission: tuple[float, float] | None = None
         self.stages: dict[str, Any] = {}
         self.rss_mb: dict[str, float] = {}

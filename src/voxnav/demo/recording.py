@@ -9,6 +9,9 @@ import sys
 import time
 from typing import Any, Sequence
 
+import numpy as np
+
+import voxnav
 from voxnav import files
 from voxnav.array_types import Array
 from voxnav.demo import processes, summary
@@ -24,6 +27,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--data", required=True, help="rosbag, or folder with scans/%%06d.bin and times.txt")
     parser.add_argument("--poses", help="TUM poses of the sensor to map with; without: LiDAR odometry, or the bag's")
     parser.add_argument("--reference", help="TUM trajectory to measure against; default: poses_gt.txt in the folder")
+    parser.add_argument("--config", help="YAML with one section per node, over the defaults of config/")
     parser.add_argument("--out", default="build/demo_real", help="folder for summary.json and the pictures")
     parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
     return parser.parse_args(argv)
@@ -36,7 +40,7 @@ def _dataset(args: argparse.Namespace) -> tuple[Any, bool, Array | None]:
     from voxnav.offline.bag import Bag
 
     bag = Bag(args.data)
-    return bag, bool(bag.odometry_topic), bag.T_B_L
+    return bag, bag.has_poses, bag.T_B_L
 
 
 def _reference(args: argparse.Namespace) -> tuple[Array, Array] | None:
@@ -53,7 +57,7 @@ def mount_argument(T_B_L: Array | None) -> str:
     """The launch argument sensor_mount: x y z qx qy qz qw of T_B_L (4, 4); None is the body's own place."""
     if T_B_L is None:
         return "0 0 0 0 0 0 1"
-    return " ".join("%.9f" % value for value in (*T_B_L[:3, 3], *files.quaternion_from_rotation(T_B_L[:3, :3])))
+    return " ".join("%.17g" % value for value in (*T_B_L[:3, 3], *voxnav.quaternion_of(np.ascontiguousarray(T_B_L))))
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -73,7 +77,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
     rviz = None
     processes.end_cleanly_when_terminated()
-    launch_args = {"odometry": "external" if has_poses else "lidar", "sensor_mount": mount_argument(T_B_L)}
+    launch_args = {"odometry": "external" if has_poses else "lidar", "sensor_mount": mount_argument(T_B_L),
+                   "pose_source": "odometry", "lockstep": "true",  # the player waits for the nodes
+                   "custom_config": os.path.abspath(args.config) if args.config else ""}
     launched, env = processes.launch("bag.launch", launch_args, log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"])
@@ -92,6 +98,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         launched.stop()
     result = summary.summarise(record)
     summary.write_json(os.path.join(args.out, "summary.json"), result)
+    files.write_tum(os.path.join(args.out, "trajectory.txt"), record.optimised[0], record.optimised_poses)
     print(summary.table(result, "recording mapped"))
     for note in notes:
         print("note: " + note)

@@ -4,21 +4,22 @@
 import threading
 import time
 
+import rosgraph
 import rospy
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import Odometry as OdometryMsg
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu as ImuMsg
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Header
 import tf2_ros
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Pose, TransformStamped
 
 import numpy as np
 
-from voxnav import files
 from voxnav.msg import Progress
 from voxnav.nodes.clouds import points_to_msg
-from voxnav.offline.datasets import Imu
+from voxnav.nodes.poses import pose_from_msg, pose_to_msg, transform_to_msg
+from voxnav.offline.datasets import Imu, Odometry
 
 
 SWEEP_S = 0.1  # of the usual sensors
@@ -28,16 +29,12 @@ class PlayerError(RuntimeError):
     """The nodes do not answer; the text says which."""
 
 
-def _set_pose(position, orientation, T):
-    position.x, position.y, position.z = T[:3, 3]
-    orientation.x, orientation.y, orientation.z, orientation.w = files.quaternion_from_rotation(T[:3, :3])
-
-
 class DataPlayer:
     """Publishes clouds, IMU and (when the recording has them) poses of a dataset below the UAV's namespace.
 
     wait_for: node -> number of clouds it may lag behind; each cloud waits for their Progress.
-    first_stamp_s: when the recording begins in played time (zero means "newest" to tf, so it cannot be that).
+    first_stamp_s: a recording that begins earlier is moved to begin then (zero means "newest" to tf, so it cannot be
+    that); the others keep their stamps.
     """
 
     def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, T_B_L=None, first_stamp_s=10.0,
@@ -45,14 +42,14 @@ class DataPlayer:
         self._dataset, self._wait_for, self._timeout_s = dataset, dict(wait_for), timeout_s
         self._origin_frame, self._body_frame, self._sensor_frame = origin_frame, body_frame, sensor_frame
         self._T_L_B = np.eye(4) if T_B_L is None else np.linalg.inv(T_B_L)
-        self._first_stamp_s, self.offset_s = first_stamp_s, None
+        self._first_stamp_ns, self._offset_ns = int(1e9 * first_stamp_s), None
         self._stamps = []
         self._progress = {}
         self._changed = threading.Condition()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._cloud = rospy.Publisher("os_cloud_nodelet/points", PointCloud2, queue_size=2)
         self._imu = rospy.Publisher("os_cloud_nodelet/imu", ImuMsg, queue_size=500)
-        self._odometry = rospy.Publisher("estimation_manager/odom_main", Odometry, queue_size=10)
+        self._odometry = rospy.Publisher("estimation_manager/odom_main", OdometryMsg, queue_size=500)
         self._tf = tf2_ros.TransformBroadcaster()
         rospy.Subscriber("progress", Progress, self._on_progress, queue_size=200)
 
@@ -64,18 +61,32 @@ class DataPlayer:
             self._changed.notify_all()
 
     def wait_for_subscribers(self, timeout_s=60.0):
+        """Until everybody who asked for one of the topics has it: what is played before is lost to him."""
         deadline = time.monotonic() + timeout_s
-        while self._cloud.get_num_connections() == 0:
+        while not self._is_heard():
             if time.monotonic() > deadline:
-                raise PlayerError("nobody subscribed to the clouds within %.0f s" % timeout_s)
+                raise PlayerError("not everybody got his connection to the clouds within %.0f s" % timeout_s)
             time.sleep(0.05)
 
+    def _is_heard(self):
+        subscribers = dict(rosgraph.Master(rospy.get_name()).getSystemState()[1])
+        wanted = {topic.resolved_name: len(subscribers.get(topic.resolved_name, ()))
+                  for topic in (self._cloud, self._imu, self._odometry)}
+        return wanted[self._cloud.resolved_name] > 0 and all(
+            topic.get_num_connections() >= wanted[topic.resolved_name]
+            for topic in (self._cloud, self._imu, self._odometry))
+
     def play(self):
-        """Play everything, yielding the number of scans played. Raises PlayerError when a node stops answering."""
+        """Play everything, yielding the number of scans played, and wait until the nodes are done with all of it.
+
+        Raises PlayerError when a node stops answering.
+        """
         self.wait_for_subscribers()
         for count, record in enumerate(self._scans(), 1):
             self._play_scan(record)
             yield count
+        self._wait_for = dict.fromkeys(self._wait_for, 0)
+        self._await()
 
     def keep_time(self):
         """Lets the clock go on after the last scan, until the node ends, so that tf and rviz go on too."""
@@ -88,28 +99,36 @@ class DataPlayer:
             self._clock.publish(Clock(clock=now))
             time.sleep(0.1)
 
+    @property
+    def offset_s(self):
+        """Played time less recorded time, or None before the first record."""
+        return None if self._offset_ns is None else 1e-9 * self._offset_ns
+
     def _scans(self):
         for record in self._dataset:
-            if self.offset_s is None:
-                self.offset_s = self._first_stamp_s - record.stamp
+            if self._offset_ns is None:
+                self._offset_ns = max(0, self._first_stamp_ns - record.stamp_ns)
             if isinstance(record, Imu):
                 self._imu.publish(self._imu_msg(record))
+            elif isinstance(record, Odometry):
+                self._publish_pose(self._time(record.stamp_ns), self._pose_of(record))
             else:
                 yield record
 
     def _imu_msg(self, record):
-        out = ImuMsg(header=Header(stamp=self._time(record.stamp), frame_id=self._sensor_frame))
+        out = ImuMsg(header=Header(stamp=self._time(record.stamp_ns), frame_id=self._body_frame))
         out.angular_velocity.x, out.angular_velocity.y, out.angular_velocity.z = record.gyro
         out.linear_acceleration.x, out.linear_acceleration.y, out.linear_acceleration.z = record.accel
         return out
 
-    def _time(self, stamp_s):
-        return rospy.Time.from_sec(stamp_s + self.offset_s)
+    def _time(self, stamp_ns):
+        return rospy.Time(0, stamp_ns + self._offset_ns)
 
     def _play_scan(self, scan):
-        stamp = self._time(scan.stamp)
+        stamp = self._time(scan.stamp_ns)
         self._clock.publish(Clock(clock=stamp + rospy.Duration(SWEEP_S)))
-        self._publish_poses(scan)
+        if scan.T_O_L is not None:
+            self._publish_pose(stamp, pose_to_msg(scan.T_O_L @ self._T_L_B))
         if scan.raw is not None:
             cloud = PointCloud2()
             cloud.deserialize(_bytes_of(scan.raw))
@@ -121,24 +140,22 @@ class DataPlayer:
         self._stamps.append(stamp.to_sec())
         self._await()
 
-    def _publish_poses(self, scan):
-        """Of the whole sweep where the recording has them: points are moved to one instant by them."""
-        if scan.pose is None:
-            return
-        for after_s in np.linspace(0.0, SWEEP_S, 4) if scan.pose_at else (0.0,):
-            T_O_L = scan.pose_at(after_s) if scan.pose_at else scan.pose
-            if T_O_L is not None:
-                self._publish_pose(self._time(scan.stamp + after_s), T_O_L @ self._T_L_B)
+    @staticmethod
+    def _pose_of(record):
+        """The recorded pose as a message, to the last bit."""
+        out = Pose()
+        out.position.x, out.position.y, out.position.z = record.position
+        out.orientation.x, out.orientation.y, out.orientation.z, out.orientation.w = record.q_xyzw
+        return out
 
-    def _publish_pose(self, stamp, T_O_B):
-        odometry = Odometry(header=Header(stamp=stamp, frame_id=self._origin_frame), child_frame_id=self._body_frame)
-        _set_pose(odometry.pose.pose.position, odometry.pose.pose.orientation, T_O_B)
+    def _publish_pose(self, stamp, pose):
+        """As odometry and as tf; the tree is inverted: the origin is a child of the body."""
+        odometry = OdometryMsg(header=Header(stamp=stamp, frame_id=self._origin_frame), child_frame_id=self._body_frame)
+        odometry.pose.pose = pose
         self._odometry.publish(odometry)
-        # The tree is inverted: the origin is a child of the body.
-        transform = TransformStamped(header=Header(stamp=stamp, frame_id=self._body_frame),
-                                     child_frame_id=self._origin_frame)
-        _set_pose(transform.transform.translation, transform.transform.rotation, np.linalg.inv(T_O_B))
-        self._tf.sendTransform(transform)
+        header = Header(stamp=stamp, frame_id=self._body_frame)
+        self._tf.sendTransform(TransformStamped(header=header, child_frame_id=self._origin_frame,
+                                                transform=transform_to_msg(np.linalg.inv(pose_from_msg(pose)))))
 
     def _await(self):
         wanted = {node: self._stamps[-1 - lag] for node, lag in self._wait_for.items() if len(self._stamps) > lag}

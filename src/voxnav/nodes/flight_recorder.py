@@ -14,8 +14,9 @@ from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
 
 import voxnav
-from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus
+from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus, SubmapPoses
 from voxnav.nodes.clouds import points_from_msg
+from voxnav.nodes.poses import pose_from_msg
 
 TRAJECTORY = "submap_optimizer/trajectory"
 NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer",
@@ -70,9 +71,9 @@ class FlightRecorder:
 
     def _on_trajectory(self, msg):
         stamps = np.array([pose.header.stamp.to_sec() for pose in msg.poses])
-        positions = np.array([(p.pose.position.x, p.pose.position.y, p.pose.position.z) for p in msg.poses])
+        poses = np.array([pose_from_msg(stamped.pose) for stamped in msg.poses]).reshape(-1, 4, 4)
         with self._lock:
-            self.record.optimised = (stamps, positions.reshape(-1, 3))
+            self.record.optimised, self.record.optimised_poses = (stamps, poses[:, :3, 3]), poses
 
     def _on_clearance(self, msg):
         with self._lock:
@@ -202,6 +203,16 @@ class FlightRecorder:
             self._on_trajectory(rospy.wait_for_message(TRAJECTORY, Path, timeout_s))
         except (rospy.ROSException, rospy.ServiceException) as error:
             rospy.logwarn("no final optimisation: %s", error)
+
+    def wait_for_map(self, timeout_s):
+        """Until the map has taken the poses of the last solve."""
+        revision = rospy.wait_for_message("submap_optimizer/submap_poses", SubmapPoses, timeout_s).revision
+
+        def has_taken():
+            with self._lock:
+                said = self._nodes.get("submap_integrator")
+                return said and dict(zip(said.counter_names, said.counter_values)).get("graph_revision", 0) >= revision
+        self.wait_until(has_taken, timeout_s, "the map to take the poses of the last solve")
 
     def save_map(self, directory):
         """The global map into a folder, and its surface into the record. Says so when that fails."""

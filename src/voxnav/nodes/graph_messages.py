@@ -25,16 +25,21 @@ _BAD_SIGMAS = 5.0  # a constraint this far off is drawn red
 _EARTH_RADIUS_M, _EARTH_E2 = 6378137.0, 6.69437999014e-3  # WGS84
 
 
+def seconds_of(stamp):
+    """Seconds as the core makes them of nanoseconds, to the last bit: rospy adds seconds and their fraction instead."""
+    return 1e-9 * stamp.to_nsec()
+
+
 def record_from_msg(msg):
     """SubmapRecord of a voxnav/Submap. Raises ValueError when poses or stamps are not usable."""
     if len(msg.pose_stamps) != len(msg.T_S_B):
         raise ValueError("submap %d has %d stamps for %d poses" % (msg.submap_id, len(msg.pose_stamps), len(msg.T_S_B)))
-    stamps = np.array([stamp.to_sec() for stamp in msg.pose_stamps])
+    stamps = np.array([seconds_of(stamp) for stamp in msg.pose_stamps])
     if np.any(np.diff(stamps) < 0.0):
         raise ValueError("submap %d has stamps that go back" % msg.submap_id)
     poses = np.array([pose_from_msg(pose) for pose in msg.T_S_B]).reshape(-1, 4, 4)
-    return SubmapRecord(msg.submap_id, msg.start.to_sec(), msg.header.stamp.to_sec(), pose_from_msg(msg.T_O_S), stamps,
-                        poses)
+    return SubmapRecord(msg.submap_id, seconds_of(msg.start), seconds_of(msg.header.stamp), pose_from_msg(msg.T_O_S),
+                        stamps, poses)
 
 
 def field_from_msg(msg, record):

@@ -63,3 +63,4 @@ def _close(recorder, record):
     recorder.wait_until(lambda: len(record.optimised[0]) and record.optimised[0][-1] > newest - 0.5, CLOSING_LIMIT_S,
                         "the optimised trajectory of the whole recording")
     recorder.optimise(10.0)
+    recorder.wait_for_map(10.0)

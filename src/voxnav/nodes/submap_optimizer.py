@@ -29,7 +29,7 @@ from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
 from voxnav.nodes.poses import transform_to_msg
 from voxnav.nodes.time_seam import ProgressPublisher
-from voxnav.optimizer_session import Height, OptimizerSession, aligned_pose, yaw_of
+from voxnav.optimizer_session import Height, OptimizerSession
 from voxnav.srv import GetSubmaps
 
 NAME = "submap_optimizer"
@@ -102,12 +102,12 @@ class SubmapOptimizer:
         age_s = rospy.Time.now().to_sec() - kept.get("stamp_s", -math.inf)
         if not 0.0 <= age_s < KEPT_CORRECTION_AGE_S:
             return np.eye(4), np.eye(4)
-        return tuple(aligned_pose(np.array(kept[name][:3]), kept[name][3]) for name in ("first", "last"))
+        return tuple(voxnav.pose_from_yaw(np.array(kept[name][:3]), kept[name][3]) for name in ("first", "last"))
 
     def _keep_corrections(self):
         kept = {"stamp_s": rospy.Time.now().to_sec()}
         for name, T in (("first", self._first_T_W_O), ("last", self._session.T_W_O)):
-            kept[name] = [float(x) for x in T[:3, 3]] + [yaw_of(T)]
+            kept[name] = [float(x) for x in T[:3, 3]] + [voxnav.yaw_of(T)]
         rospy.set_param(self._kept_name, kept)
 
     def _set_correction(self):

@@ -1,22 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rosbags as a stream of records (see ``datasets``)."""
 
-import collections
 import os
 import shutil
 import tempfile
 
 import numpy as np
 
-from voxnav import files
-from voxnav.offline.datasets import MAX_WARNINGS, DatasetError, Imu, Scan, interpolate_pose
+import voxnav
+from voxnav.offline.datasets import DatasetError, Imu, Odometry, Scan
 
-# Clouds that wait for odometry to pass them; more are taken as clouds without a pose.
-_MAX_WAITING = 100
-# A scan waits until odometry covers its sweep, which takes this long at the usual 10 Hz [s].
-_SWEEP_S = 0.11
-# Odometry kept for scans that wait.
-_MAX_POSES = 5000
 # Messages that are looked through for the sensor's mount.
 _MAX_STATIC_TRANSFORMS = 1000
 
@@ -51,32 +44,9 @@ def _open(path, warnings):
 
 
 def _pose(msg):
-    """(4, 4) of a Pose or a Transform."""
-    T = np.eye(4)
-    q, p = (msg.orientation, msg.position) if hasattr(msg, "position") else (msg.rotation, msg.translation)
-    T[:3, :3] = files.rotation_from_quaternion([q.x, q.y, q.z, q.w])
-    T[:3, 3] = [p.x, p.y, p.z]
-    return T
-
-
-class PoseHistory:
-    """The newest poses, by time."""
-
-    def __init__(self):
-        self._stamps, self._poses = [], []
-
-    def add(self, stamp, pose):
-        """False for a pose that is not newer than the last."""
-        if self._stamps and stamp <= self._stamps[-1]:
-            return False
-        self._stamps.append(stamp)
-        self._poses.append(pose)
-        if len(self._stamps) > 2 * _MAX_POSES:
-            del self._stamps[:_MAX_POSES], self._poses[:_MAX_POSES]
-        return True
-
-    def at(self, stamp):
-        return interpolate_pose(self._stamps, self._poses, stamp)
+    """(4, 4) of a Transform."""
+    q, p = msg.rotation, msg.translation
+    return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
 class Bag:
@@ -93,6 +63,7 @@ class Bag:
         self.cloud_topic = self._topic(_CLOUD, cloud_topic, required=True)
         self.odometry_topic = self._topic(_ODOMETRY, odometry_topic) if use_odometry else ""
         self.imu_topic = self._topic(_IMU, imu_topic)
+        self.has_poses = bool(self.odometry_topic)
         self.num_scans = self._bag.get_message_count(topic_filters=[self.cloud_topic])
         self.T_B_L = self._mount() if T_B_L is None else T_B_L
 
@@ -142,44 +113,14 @@ class Bag:
         return np.eye(4)
 
     def __iter__(self):
-        """Scans wait until odometry has passed their stamp, so that their pose is interpolated, not guessed."""
-        history = PoseHistory()
-        waiting = collections.deque()
-        last_stamp = -np.inf
         topics = [t for t in (self.cloud_topic, self.odometry_topic, self.imu_topic) if t]
         for topic, msg, _ in self._bag.read_messages(topics=topics):
-            stamp = msg.header.stamp.to_sec()
+            stamp_ns = msg.header.stamp.to_nsec()
             if topic == self.imu_topic:
                 w, a = msg.angular_velocity, msg.linear_acceleration
-                yield Imu(stamp, np.array([w.x, w.y, w.z]), np.array([a.x, a.y, a.z]))
+                yield Imu(stamp_ns, np.array([w.x, w.y, w.z]), np.array([a.x, a.y, a.z]))
             elif topic == self.odometry_topic:
-                if not history.add(stamp, _pose(msg.pose.pose)):
-                    self._warn("odometry time goes back at %.6f; message left out" % stamp)
-                while waiting and waiting[0][0] + _SWEEP_S <= stamp:
-                    yield self._scan(*waiting.popleft(), history)
-            elif stamp <= last_stamp:
-                self._warn("cloud time goes back at %.6f; cloud left out" % stamp)
+                p, q = msg.pose.pose.position, msg.pose.pose.orientation
+                yield Odometry(stamp_ns, (p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
             else:
-                last_stamp = stamp
-                waiting.append((stamp, msg))
-                if not self.odometry_topic or len(waiting) > _MAX_WAITING:  # there is none, or it has stopped
-                    yield self._scan(*waiting.popleft(), history)
-        for stamp, msg in waiting:
-            yield self._scan(stamp, msg, history)
-
-    def _warn(self, text):
-        if len(self.warnings) < MAX_WARNINGS:
-            self.warnings.append(text)
-
-    def _scan(self, stamp, msg, history):
-        if not self.odometry_topic:
-            return Scan(stamp, None, msg, None, None)
-
-        def pose_at(after_s):
-            T_O_B = history.at(stamp + after_s)
-            return None if T_O_B is None else T_O_B @ self.T_B_L
-
-        pose = pose_at(0.0)
-        if pose is None:
-            self._warn("no odometry around cloud %.6f" % stamp)
-        return Scan(stamp, None, msg, pose, pose_at)
+                yield Scan(stamp_ns, None, msg, None)

@@ -104,7 +104,7 @@ def run(args):
     if args.reference:
         stamps, poses = files.read_tum(args.reference)
         reference = (stamps, poses[:, :3, 3])
-    mapper = OfflineMapper(configs, T_B_L)
+    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses)
     bar, done = ProgressBar(dataset.num_scans), 0
     for record in dataset:
         mapper.add(record)

@@ -6,7 +6,9 @@ import voxnav
 SECTIONS = {
     "run": voxnav.OfflineConfig,
     "filter": voxnav.CloudFilterConfig,
+    "open_beams": voxnav.OpenBeamsConfig,
     "odometry": voxnav.LidarOdometryConfig,
+    "mapper": voxnav.MapperConfig,
     "map": voxnav.LocalMapConfig,
     "schedule": voxnav.SubmapSchedulerConfig,
     "submap": voxnav.SubmapConfig,

@@ -2,10 +2,9 @@
 """Recordings as one stream: folders of raw scans, and rosbags.
 
 A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in order of their stamps, and knows
-``num_scans`` for the progress bar. ``warnings`` lists what was wrong with the recording but could be passed over.
+``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the recording but could be passed over.
 """
 
-import bisect
 import collections
 import os
 
@@ -13,11 +12,12 @@ import numpy as np
 
 from voxnav import files
 
-# points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the scan is organised;
-# raw: message with its field layout instead of points; pose: T_O_L at the stamp, or None;
-# pose_at: function from a time after the stamp [s] to T_O_L or None, for sensors that move while they turn, or None.
-Scan = collections.namedtuple("Scan", "stamp points raw pose pose_at")
-Imu = collections.namedtuple("Imu", "stamp gyro accel")
+# stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the scan is organised;
+# raw: message with its field layout instead of points; T_O_L: (4, 4), one pose for the whole scan, or None.
+Scan = collections.namedtuple("Scan", "stamp_ns points raw T_O_L")
+Imu = collections.namedtuple("Imu", "stamp_ns gyro accel")
+# Pose of the body as the recording has it: position (3,) [m] and quaternion (4,) x y z w.
+Odometry = collections.namedtuple("Odometry", "stamp_ns position q_xyzw")
 
 
 MAX_WARNINGS = 1000
@@ -25,24 +25,6 @@ MAX_WARNINGS = 1000
 
 class DatasetError(ValueError):
     """The recording cannot be used; the text says what is missing and where."""
-
-
-def interpolate_pose(stamps, poses, stamp):
-    """Pose at a stamp between two others; None outside. Rotation by the shorter arc (normalised linear blend)."""
-    k = bisect.bisect_left(stamps, stamp)
-    if k < len(stamps) and stamps[k] == stamp:
-        return poses[k]
-    if k == 0 or k == len(stamps):
-        return None
-    ratio = (stamp - stamps[k - 1]) / (stamps[k] - stamps[k - 1])
-    a, b = poses[k - 1], poses[k]
-    qa, qb = files.quaternion_from_rotation(a[:3, :3]), files.quaternion_from_rotation(b[:3, :3])
-    if np.dot(qa, qb) < 0:
-        qb = -qb
-    T = np.eye(4)
-    T[:3, :3] = files.rotation_from_quaternion((1 - ratio) * qa + ratio * qb)
-    T[:3, 3] = (1 - ratio) * a[:3, 3] + ratio * b[:3, 3]
-    return T
 
 
 class ScanFolder:
@@ -62,6 +44,7 @@ class ScanFolder:
         self._stamps = self._read_times(os.path.join(directory, "times.txt"))
         self._poses = self._poses_at(poses) if poses else [None] * len(self._names)
         self.num_scans = len(self._names)
+        self.has_poses = poses is not None
 
     def _read_times(self, path):
         if not os.path.exists(path):
@@ -92,4 +75,4 @@ class ScanFolder:
             if surplus and len(self.warnings) < MAX_WARNINGS:
                 self.warnings.append("%s: not whole rows of four floats, truncated; the last row is left out" % path)
             data = np.fromfile(path, dtype="<f4", count=4 * rows)
-            yield Scan(float(stamp), data.reshape(-1, 4), None, pose, None)
+            yield Scan(int(round(1e9 * stamp)), data.reshape(-1, 4), None, pose)

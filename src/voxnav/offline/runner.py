@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 import voxnav
-from voxnav.offline.datasets import MAX_WARNINGS, Imu, interpolate_pose
+from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
 
 
@@ -34,126 +34,151 @@ class Stages:
         return out
 
 
+def _record_of(finished):
+    """A FinishedSubmap for the graph, with its poses as they arrive at an optimiser that is a node of its own."""
+    poses = np.array([voxnav.as_sent(T) for T in finished.T_S_B]).reshape(-1, 4, 4)
+    return SubmapRecord(finished.submap_id, finished.start, finished.stamp, voxnav.as_sent(finished.T_O_S),
+                        finished.pose_stamps, poses)
+
+
 class OfflineMapper:
     """One mapping run. ``configs``: dict of configuration objects by section, see ``voxnav.offline.configs``.
 
     Frames: O is the origin of the poses that come in, B the body; submaps are posed in W, which is O corrected.
-    T_B_L: (4, 4) mount of the LiDAR.
+    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording brings poses; LiDAR odometry finds them otherwise.
     """
 
-    def __init__(self, configs, T_B_L):
-        self._run = configs["run"]
-        self._submap_config = configs["submap"]
-        self._T_B_L, self._T_L_B = T_B_L, np.linalg.inv(T_B_L)
+    def __init__(self, configs, T_B_L, has_poses):
+        source = configs["run"].pose_source
+        self._uses_odometry = source == voxnav.PoseSource.LIDAR or (source == voxnav.PoseSource.AUTO and not has_poses)
+        self._assembler = voxnav.SubmapAssembler(configs["submap"])
+        T_B_L = voxnav.as_sent(np.ascontiguousarray(T_B_L))
+        self._T_L_B = np.linalg.inv(T_B_L)
         self.filter = voxnav.CloudFilter(configs["filter"])
-        self.map = voxnav.LocalMap(configs["map"])
-        self.scheduler = voxnav.SubmapScheduler(configs["schedule"])
+        self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
+        self.mapper = voxnav.Mapper(self._mapper_config(configs), T_B_L)
         self.session = OptimizerSession(configs["graph"], configs["optimizer"])
         self.collection = voxnav.SubmapCollection(configs["collection"])
-        self.odometry = voxnav.LidarOdometry(configs["odometry"], T_B_L=T_B_L)
         self.stages = Stages()
         self.warnings, self.memory = [], []
         self.stamps, self.poses = [], []
         self.counts = {"scans": 0, "scans_without_pose": 0, "points_in": 0, "points_kept": 0, "submaps": 0, "solves": 0}
-        self._early = {}
+
+    def _mapper_config(self, configs):
+        out = configs["mapper"]
+        out.map, out.submap = configs["map"], configs["schedule"]
+        out.odometry = configs["odometry"] if self._uses_odometry else None
+        return out
+
+    @property
+    def map(self):
+        """The local map."""
+        return self.mapper.map
 
     def add(self, record):
-        """One record of a dataset: an IMU sample or a scan."""
+        """One record of a dataset: an IMU sample, a pose of the body or a scan."""
         if isinstance(record, Imu):
-            self.odometry.add_imu(np.array([record.stamp]), record.gyro.reshape(1, 3), record.accel.reshape(1, 3))
+            self._add_imu(record)
+        elif isinstance(record, Odometry):
+            T_O_B = voxnav.pose_from_quaternion(record.position, record.q_xyzw)
+            if not self.mapper.add_pose(record.stamp_ns, T_O_B):
+                self._warn("odometry of %.6f left out: its stamp is not newer than the one before" % (
+                    1e-9 * record.stamp_ns))
         else:
             self._add_scan(record)
+        self._map_ready()
 
     def finish(self):
         """Close the open submap and solve once more, with everything."""
-        for handover in self.scheduler.finish(self.map):
+        self.mapper.end_input()
+        self._map_ready()
+        for handover in self.mapper.finish():
             self._take(handover)
         with self.stages.time("graph, final solve"):
             report = self.session.optimize(full=True)
         self.counts["solves"] += 1
-        self.collection.set_poses(self.session.graph.poses(), self.session.bends())
+        self._place_submaps()
         return report
+
+    def _add_imu(self, imu):
+        timer = self.stages.time("odometry") if self.mapper.is_waiting_for_imu else contextlib.nullcontext()
+        with timer:
+            self.mapper.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
 
     def _add_scan(self, scan):
         with self.stages.time("filter"):
-            filtered = self._filter(scan)
+            filtered, open_beams = self._filter(scan)
+            sweep = filtered.sweep(scan.stamp_ns, open_beams)
         self.counts["points_in"] += filtered.total
         self.counts["points_kept"] += filtered.counts["kept"]
-        points, T_O_B = self._located(scan, filtered)
-        if T_O_B is None:
-            self.counts["scans_without_pose"] += 1
-            if len(self.warnings) < MAX_WARNINGS:
-                self.warnings.append("scan %.6f left out: no pose" % scan.stamp)
-            return
-        with self.stages.time("local map"):
-            self.map.insert(points, T_O_B @ self._T_B_L)
-            if self._run.vehicle_radius_m > 0:
-                self.map.mark_free(T_O_B[:3, 3], self._run.vehicle_radius_m)
-        with self.stages.time("submap schedule"):
-            handovers = self.scheduler.add_scan(self.map, scan.stamp, T_O_B)
-        for handover in handovers:
-            self._take(handover)
-        self.stamps.append(scan.stamp)
-        self.poses.append(T_O_B)
-        self.counts["scans"] += 1
-        self._note_memory(scan.stamp)
+        timer = self.stages.time("odometry") if self._uses_odometry else contextlib.nullcontext()
+        with timer:
+            is_located = scan.T_O_L is not None and not self._uses_odometry
+            self.mapper.queue_sweep(sweep, scan.T_O_L @ self._T_L_B if is_located else None)
 
     def _filter(self, scan):
-        if scan.raw is not None:
-            fields = [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields]
-            layout = voxnav.CloudLayout(scan.raw.height, scan.raw.width, scan.raw.point_step, fields,
-                                        row_step=scan.raw.row_step, is_big_endian=bool(scan.raw.is_bigendian))
-            return self.filter.apply_raw(scan.raw.data, layout, scan.stamp)
-        return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32))
+        """FilterResult, and the open beams (k, 3) or None."""
+        if scan.raw is None:
+            return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32)), None
+        fields = [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields]
+        layout = voxnav.CloudLayout(scan.raw.height, scan.raw.width, scan.raw.point_step, fields,
+                                    row_step=scan.raw.row_step, is_big_endian=bool(scan.raw.is_bigendian))
+        filtered = self.filter.apply_raw(scan.raw.data, layout, stamp_ns=scan.stamp_ns)
+        return filtered, self._open_beams.find(scan.raw.data, layout) if self._open_beams else None
 
-    def _located(self, scan, filtered):
-        """Points (n, 3) as seen from one place, and T_O_B there, or None when nothing gives a pose."""
-        points = np.ascontiguousarray(filtered.points[:, :3])
-        source = self._run.pose_source
-        if source == voxnav.PoseSource.RECORDING or (source == voxnav.PoseSource.AUTO and scan.pose is not None):
-            return self._deskewed(scan, filtered, points)
-        times = filtered.time_offsets_ns * 1e-9
-        with self.stages.time("odometry"):
-            result = self.odometry.add_cloud(scan.stamp + filtered.sweep_start_s, filtered.points,
-                                             times if times.any() else None)
-        return points, result.pose
+    def _map_ready(self):
+        """Map the scans whose poses are known by now."""
+        while self.mapper.has_next():
+            with self.stages.time("local map"):
+                step = self.mapper.next()
+            for handover in step.handovers:
+                self._take(handover)
+            if step.map_cleared:
+                self._warn("map cleared at %.6f: %s" % (step.stamp, step.map_cleared))
+            if step.fate == voxnav.SweepFate.MAPPED:
+                self._note(step)
+            else:
+                self.counts["scans_without_pose"] += 1
+                self._warn("scan %.6f left out: %s" % (step.stamp, step.reason))
 
-    def _deskewed(self, scan, filtered, points):
-        if scan.pose is None:
-            return points, None
-        offsets, start_s = filtered.time_offsets_ns, filtered.sweep_start_s
-        if scan.pose_at is None or not offsets.any():
-            return points, scan.pose @ self._T_L_B
-        duration_s = 1e-9 * float(offsets.max())
-        start, end = scan.pose_at(start_s), scan.pose_at(start_s + duration_s)
-        if start is None or end is None:  # odometry begins or ends within the sweep
-            return points, scan.pose @ self._T_L_B
-        middle = interpolate_pose([0.0, 1.0], [start, end], 0.5)
-        return voxnav.deskew(points, offsets, start, end, duration_s), middle @ self._T_L_B
+    def _note(self, step):
+        with self.stages.time("submap schedule"):
+            handovers = self.mapper.close_due()
+        for handover in handovers:
+            self._take(handover)
+        self.stamps.append(step.stamp)
+        self.poses.append(step.T_O_B)
+        self.counts["scans"] += 1
+        self._note_memory(step.stamp)
+
+    def _warn(self, text):
+        if len(self.warnings) < MAX_WARNINGS:
+            self.warnings.append(text)
 
     def _take(self, handover):
         """A part of a submap, or the last of it: then it is filled and put into the graph, which is solved."""
-        content = handover.content
-        if handover.submap_id in self._early:
-            early = self._early.pop(handover.submap_id)
-            early.merge(content)
-            content = early
-        if not handover.is_final:
-            self._early[handover.submap_id] = content
-            return
         with self.stages.time("submap fill"):
-            submap = voxnav.Submap.from_content(content, np.linalg.inv(handover.T_O_S), self._submap_config)
-        stamps = handover.pose_stamps
+            result = self._assembler.add(handover.as_sent())
+        if result.dropped:
+            self._warn(result.dropped)
+        if result.submap is None:
+            return
+        finished = result.submap
         with self.stages.time("graph"):
-            self.session.add_submap(SubmapRecord(handover.submap_id, stamps[0], stamps[-1], handover.T_O_S, stamps,
-                                                 handover.T_S_B), submap.registration_field(stamps, handover.T_S_B))
+            record = _record_of(finished)
+            self.session.add_submap(record, finished.submap.registration_field(record.stamps_s, record.T_S_B))
             self.session.optimize()
-        poses = self.session.graph.poses()
         with self.stages.time("collection"):
-            self.collection.add(handover.submap_id, submap, poses[handover.submap_id], stamps[-1])
-            self.collection.set_poses(poses, self.session.bends())
+            self.collection.add_finished(finished)
+            self._place_submaps()
         self.counts["submaps"] += 1
         self.counts["solves"] += 1
+
+    def _place_submaps(self):
+        """With poses as they arrive when the optimiser is a node of its own: the map is to be the same then."""
+        poses = {i: voxnav.as_sent(T) for i, T in self.session.graph.poses().items()}
+        bends = {i: np.array([voxnav.as_sent(T) for T in ends]) for i, ends in self.session.bends().items()}
+        self.collection.set_poses(poses, bends)
 
     def _note_memory(self, stamp):
         time_s = stamp - self.stamps[0]

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "geometry/pose_buffer.hpp"
+
+#include <algorithm>
+
+namespace voxnav::geometry {
+
+bool PoseBuffer::add(base::StampNs stamp_ns, const Pose& pose) {
+  using Verdict = base::ClockWatch::Verdict;
+  if (!is_valid(pose)) return false;
+  const Verdict verdict = clock_.add(stamp_ns);
+  if (verdict == Verdict::kLate || verdict == Verdict::kStray) return false;
+  if (verdict == Verdict::kNewClock) poses_.clear();
+  poses_.push_back({stamp_ns, pose});
+  if (poses_.size() > kMaxPoses) poses_.pop_front();
+  return true;
+}
+
+void PoseBuffer::clear() {
+  poses_.clear();
+  clock_.reset();
+}
+
+std::optional<Pose> PoseBuffer::at(base::StampNs stamp_ns) const {
+  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp_ns,
+                                      [](const StampedPose& pose, base::StampNs t) { return pose.stamp_ns < t; });
+  if (after == poses_.end()) return std::nullopt;
+  if (after->stamp_ns == stamp_ns) return after->pose;
+  if (after == poses_.begin()) return std::nullopt;
+  const StampedPose& before = *std::prev(after);
+  const double ratio =
+      static_cast<double>(stamp_ns - before.stamp_ns) / static_cast<double>(after->stamp_ns - before.stamp_ns);
+  return interpolate(before.pose, after->pose, ratio);
+}
+
+bool PoseBuffer::is_before_all(base::StampNs stamp_ns) const {
+  return !poses_.empty() && stamp_ns < poses_.front().stamp_ns;
+}
+
+}  // namespace voxnav::geometry

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "base/clock_watch.hpp"
+#include "voxnav/geometry/pose.hpp"
+
+namespace voxnav::geometry {
+
+/// The newest poses of a moving frame, between which others are interpolated. Bounded; the oldest go first.
+class PoseBuffer {
+ public:
+  static constexpr std::size_t kMaxPoses = 5000;
+
+  /// Takes a pose that is newer than the last one. Late ones, and one alone on another clock, are refused; a lasting
+  /// jump of the clock forgets those before it.
+  /// @return false when it was refused, or is not a rigid transform
+  bool add(base::StampNs stamp_ns, const Pose& pose);
+  void clear();
+
+  /// The pose at a stamp; nothing outside of the time that is covered. O(log n).
+  std::optional<Pose> at(base::StampNs stamp_ns) const;
+  /// Whether a stamp lies before the oldest pose, so that no later one will ever tell.
+  bool is_before_all(base::StampNs stamp_ns) const;
+  bool empty() const { return poses_.empty(); }
+
+ private:
+  std::deque<StampedPose> poses_;
+  base::ClockWatch clock_ = base::ClockWatch({});
+};
+
+}  // namespace voxnav::geometry

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav/pipeline/mapper.hpp"
+
+#include <deque>
+#include <stdexcept>
+#include <utility>
+
+#include "base/clock_watch.hpp"
+#include "odometry/imu_gate.hpp"
+#include "pipeline/pose_locator.hpp"
+#include "voxnav/geometry/rigid_pose.hpp"
+
+namespace voxnav::pipeline {
+namespace {
+
+using geometry::Pose;
+
+std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
+
+}  // namespace
+
+struct Mapper::State {
+  struct Drop {
+    SweepFate fate;
+    std::string reason;
+  };
+  struct Waiting {
+    cloud::Sweep sweep;
+    std::optional<SweepPoses> poses;
+    double since_s = 0.0;
+    std::optional<Drop> drop;
+  };
+  struct Mapped {
+    base::StampNs stamp_ns;
+    Pose T_O_B;
+  };
+
+  State(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator);
+  void track(cloud::Sweep sweep, double now_s);
+  void track_ready(double now_s);
+  void push(Waiting waiting);
+  void settle(Waiting* waiting) const;
+  bool watch_clock(base::StampNs stamp_ns, MapperStep* step);
+  void watch_jump(const geometry::Vec3& body, MapperStep* step);
+  void clear(const std::string& text, MapperStep* step);
+  std::vector<Handover> clear(const std::string& reason);
+  void insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperStep* step);
+
+  MapperConfig config;
+  occupancy::LocalMap map;
+  SubmapScheduler scheduler;
+  LoadControl load;
+  PoseLocator own_locator;
+  const SweepLocator* locator;
+  std::optional<odometry::LidarOdometry> odometry;
+  odometry::ImuGate gate;
+  std::deque<Waiting> waiting;
+  bool has_ended = false;
+  base::ClockWatch clock = base::ClockWatch({});
+  std::optional<geometry::Vec3> last_body;
+  std::optional<Mapped> mapped;  // the sweep that close_due() is still to be asked for
+};
+
+Mapper::State::State(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator)
+    : config(base::checked(mapper_config)),
+      map(config.map),
+      scheduler(config.submap, config.first_submap_id),
+      load(config.load),
+      locator(other_locator ? other_locator : &own_locator),
+      gate({config.odometry && config.odometry->use_imu}) {
+  own_locator.set_mount(T_B_L);
+  if (config.odometry) odometry.emplace(*config.odometry, T_B_L);
+}
+
+void Mapper::State::track(cloud::Sweep sweep, double now_s) {
+  const odometry::OdometryResult result = odometry->add_sweep(sweep);
+  if (result.is_new && result.quality.state == odometry::State::kCoasting) scheduler.request_close("odometry");
+  // Before odometry has a map there is no pose to speak of.
+  if (result.is_new && !odometry->map().empty()) own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
+  push({std::move(sweep), std::nullopt, now_s, std::nullopt});
+}
+
+void Mapper::State::track_ready(double now_s) {
+  while (auto sweep = gate.next(now_s)) track(std::move(*sweep), now_s);
+}
+
+void Mapper::State::push(Waiting item) {
+  waiting.push_back(std::move(item));
+  if (waiting.size() <= static_cast<std::size_t>(config.max_pending_scans)) return;
+  for (Waiting& oldest : waiting) {
+    settle(&oldest);
+    if (oldest.poses || oldest.drop) continue;
+    oldest.drop = Drop{SweepFate::kCrowded, "more scans wait for their pose than max_pending_scans"};
+    return;
+  }
+}
+
+/// Asks for the poses of a sweep that has none; gives it up when there will be none.
+void Mapper::State::settle(Waiting* item) const {
+  if (item->poses || item->drop) return;
+  SweepLocation found = locator->locate(item->sweep, config.use_deskew ? item->sweep.duration_ns : 0);
+  if (found.status == SweepLocation::Status::kKnown) {
+    item->poses = found.poses;
+  } else if (found.status == SweepLocation::Status::kNever || has_ended) {
+    item->drop = Drop{SweepFate::kNoPose, "there is no pose for it: " + found.problem};
+  }
+}
+
+/// A late sweep says nothing about now, and the map has newer ones: it is left out. Only when the sweeps after it
+/// confirm that time jumped back is the map of the future forgotten.
+bool Mapper::State::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
+  using Verdict = base::ClockWatch::Verdict;
+  const auto newest_ns = clock.newest_ns();
+  const Verdict verdict = clock.add(stamp_ns);
+  if (verdict == Verdict::kNext) return true;
+  if (verdict == Verdict::kNewClock) {
+    clear("time jumped back from " + seconds(*newest_ns) + " to " + seconds(stamp_ns), step);
+    return true;
+  }
+  step->fate = SweepFate::kLate;
+  step->reason = "its stamp is not newer than that of the scan before, " + seconds(*newest_ns);
+  return false;
+}
+
+void Mapper::State::watch_jump(const geometry::Vec3& body, MapperStep* step) {
+  const double jump_m = last_body ? (body - *last_body).norm() : 0.0;
+  if (jump_m > config.max_jump_m) clear("the pose jumped by " + std::to_string(jump_m) + " m", step);
+  last_body = body;
+}
+
+void Mapper::State::clear(const std::string& text, MapperStep* step) {
+  for (Handover& handover : clear("odometry")) step->handovers.push_back(std::move(handover));
+  step->map_cleared = text;
+}
+
+std::vector<Handover> Mapper::State::clear(const std::string& reason) {
+  std::vector<Handover> out = scheduler.finish(&map, reason);
+  map.clear();
+  last_body.reset();
+  mapped.reset();
+  return out;
+}
+
+void Mapper::State::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperStep* step) {
+  if (load.decimation() > 1) {
+    load.thin_out(1, &sweep->points);
+    load.thin_out(1, &sweep->time_offsets_ns);
+  }
+  float* first = sweep->points.empty() ? nullptr : sweep->points.front().data();
+  deskew({first, sweep->points.size(), 3}, sweep->time_offsets_ns, poses.motion);
+  step->statistics =
+      map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams));
+  if (config.vehicle_radius_m > 0.0) map.mark_free(poses.T_O_B.translation(), config.vehicle_radius_m);
+  step->T_O_B = poses.T_O_B;
+  mapped = {sweep->start_ns, poses.T_O_B};
+}
+
+Mapper::Mapper(const MapperConfig& config, const Pose& T_B_L, const SweepLocator* locator)
+    : state_(std::make_unique<State>(config, T_B_L, locator)) {}
+
+Mapper::~Mapper() = default;
+
+void Mapper::add_imu(const odometry::ImuSample& sample) {
+  if (!state_->odometry) return;
+  state_->odometry->add_imu(sample);
+  state_->gate.note_imu(sample.stamp_ns);
+  state_->track_ready(0.0);
+}
+
+bool Mapper::add_pose(base::StampNs stamp_ns, const Pose& T_O_B) { return state_->own_locator.add(stamp_ns, T_O_B); }
+
+void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& poses, double now_s) {
+  if (poses || !state_->odometry) {
+    state_->push({std::move(sweep), poses, now_s, std::nullopt});
+  } else {
+    state_->gate.add(std::move(sweep), 0.0);
+    state_->track_ready(0.0);
+  }
+}
+
+void Mapper::drop_overdue(double now_s, double timeout_s) {
+  for (State::Waiting& item : state_->waiting) {
+    state_->settle(&item);
+    if (item.poses || item.drop || now_s - item.since_s <= timeout_s) continue;
+    const std::string problem = state_->locator->locate(item.sweep, item.sweep.duration_ns).problem;
+    item.drop = State::Drop{SweepFate::kNoPose, "no pose within " + std::to_string(timeout_s) + " s: " + problem};
+  }
+}
+
+void Mapper::end_input() {
+  state_->has_ended = true;
+  while (auto sweep = state_->gate.take_oldest()) state_->track(std::move(*sweep), 0.0);
+}
+
+bool Mapper::is_waiting_for_imu() const { return !state_->gate.empty(); }
+
+bool Mapper::has_next() {
+  if (state_->waiting.empty()) return false;
+  State::Waiting& oldest = state_->waiting.front();
+  state_->settle(&oldest);
+  return oldest.poses || oldest.drop;
+}
+
+MapperStep Mapper::next() {
+  if (!has_next()) throw std::logic_error("Mapper::next(): no sweep is ready");
+  State::Waiting oldest = std::move(state_->waiting.front());
+  state_->waiting.pop_front();
+  MapperStep step;
+  step.stamp_ns = oldest.sweep.stamp_ns;
+  state_->mapped.reset();
+  if (oldest.drop) {
+    step.fate = oldest.drop->fate;
+    step.reason = oldest.drop->reason;
+  } else if (state_->watch_clock(oldest.sweep.start_ns, &step)) {
+    state_->watch_jump(oldest.poses->T_O_B.translation(), &step);
+    state_->insert(&oldest.sweep, *oldest.poses, &step);
+  }
+  return step;
+}
+
+std::vector<Handover> Mapper::close_due() {
+  if (!state_->mapped) return {};
+  const State::Mapped scan = *std::exchange(state_->mapped, std::nullopt);
+  return state_->scheduler.add_scan(&state_->map, scan.stamp_ns, scan.T_O_B);
+}
+
+std::vector<Handover> Mapper::finish(const std::string& reason) {
+  return state_->scheduler.finish(&state_->map, reason);
+}
+
+void Mapper::request_close(const std::string& reason) { state_->scheduler.request_close(reason); }
+
+std::vector<Handover> Mapper::clear(const std::string& reason) { return state_->clear(reason); }
+
+void Mapper::add_load(double work_s, double period_s) { state_->load.add(work_s, period_s); }
+
+int Mapper::decimation() const { return state_->load.decimation(); }
+
+occupancy::LocalMap& Mapper::map() { return state_->map; }
+
+const occupancy::LocalMap& Mapper::map() const { return state_->map; }
+
+std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return state_->clock.newest_ns(); }
+
+const odometry::LidarOdometry* Mapper::odometry() const { return state_->odometry ? &*state_->odometry : nullptr; }
+
+}  // namespace voxnav::pipeline

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "geometry/pose_buffer.hpp"
+
+namespace {
+
+using namespace voxnav;  // NOLINT: test
+using geometry::from_position_yaw;
+using geometry::Pose;
+using geometry::PoseBuffer;
+using geometry::Vec3;
+
+TEST(PoseBuffer, InterpolatesAndNeverExtrapolates) {
+  PoseBuffer buffer;
+  EXPECT_FALSE(buffer.at(0));
+  EXPECT_TRUE(buffer.add(1'000'000'000, from_position_yaw(Vec3::Zero(), 3.0)));
+  EXPECT_TRUE(buffer.add(2'000'000'000, from_position_yaw(Vec3(2, 0, 0), -3.0)));
+  const auto middle = buffer.at(1'500'000'000);
+  ASSERT_TRUE(middle);
+  EXPECT_LT((middle->translation() - Vec3(1, 0, 0)).norm(), 1e-12);
+  EXPECT_NEAR(std::abs(geometry::yaw_of(*middle)), M_PI, 1e-9);  // the short way around
+  EXPECT_TRUE(buffer.at(1'000'000'000)->matrix() == from_position_yaw(Vec3::Zero(), 3.0).matrix());
+  EXPECT_TRUE(buffer.at(2'000'000'000)->matrix() == from_position_yaw(Vec3(2, 0, 0), -3.0).matrix());
+  EXPECT_FALSE(buffer.at(999'999'999));
+  EXPECT_FALSE(buffer.at(2'000'000'001));
+  EXPECT_TRUE(buffer.is_before_all(999'999'999));
+  EXPECT_FALSE(buffer.is_before_all(2'000'000'001));
+}
+
+TEST(PoseBuffer, RefusesLateStrayAndBrokenPoses) {
+  PoseBuffer buffer;
+  const base::StampNs second_ns = 1'000'000'000;
+  EXPECT_TRUE(buffer.add(100 * second_ns, Pose::Identity()));
+  EXPECT_FALSE(buffer.add(100 * second_ns, Pose::Identity()));
+  EXPECT_FALSE(buffer.add(10 * second_ns, Pose::Identity()));
+  Pose broken = Pose::Identity();
+  broken.translation().x() = std::nan("");
+  EXPECT_FALSE(buffer.add(101 * second_ns, broken));
+  EXPECT_TRUE(buffer.add(101 * second_ns, Pose::Identity()));
+}
+
+TEST(PoseBuffer, ForgetsAClockThatWasSetAnew) {
+  PoseBuffer buffer;
+  for (int i = 0; i < 10; ++i) buffer.add(base::from_seconds(100.0 + 0.1 * i), Pose::Identity());
+  for (int i = 0; i < 5; ++i) buffer.add(base::from_seconds(10.0 + 0.1 * i), Pose::Identity());
+  EXPECT_TRUE(buffer.at(base::from_seconds(10.35)));
+  EXPECT_FALSE(buffer.at(base::from_seconds(100.5)));
+}
+
+TEST(PoseBuffer, StaysBounded) {
+  PoseBuffer buffer;
+  const auto count = static_cast<base::StampNs>(PoseBuffer::kMaxPoses) + 10;
+  for (base::StampNs i = 0; i < count; ++i) buffer.add(i, Pose::Identity());
+  EXPECT_TRUE(buffer.is_before_all(9));
+  EXPECT_FALSE(buffer.is_before_all(10));
+}
+
+}  // namespace

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "room_world.hpp"
+#include "voxnav/pipeline/mapper.hpp"
+
+namespace {
+
+using namespace voxnav;  // NOLINT: test
+using geometry::Pose;
+using geometry::Vec3;
+using pipeline::Mapper;
+using pipeline::MapperConfig;
+using pipeline::MapperStep;
+using pipeline::SweepFate;
+using test::RoomWorld;
+using Motion = std::function<Pose(double)>;
+
+base::StampNs stamp_of(double t) { return base::from_seconds(1000.0 + t); }
+
+Pose line(double t) { return geometry::from_position_yaw(Vec3(1.5 * t, 0, 0), 0.4 * t); }
+
+cloud::Sweep sweep_at(double t, const Motion& motion = line) {
+  const test::Sweep seen = test::sweep_of(RoomWorld::hall(), motion, t, 0.0, 1);
+  cloud::Sweep out;
+  out.stamp_ns = out.start_ns = stamp_of(t);
+  out.points = seen.points_L;
+  for (const float time_s : seen.times_s) {
+    out.time_offsets_ns.push_back(static_cast<std::uint32_t>(std::lround(time_s * 1e9)));
+    out.duration_ns = std::max(out.duration_ns, out.time_offsets_ns.back());
+  }
+  return out;
+}
+
+std::vector<MapperStep> all_steps(Mapper* mapper, std::vector<pipeline::Handover>* handovers = nullptr) {
+  std::vector<MapperStep> out;
+  while (mapper->has_next()) {
+    out.push_back(mapper->next());
+    for (auto& handover : mapper->close_due()) {
+      if (handovers) handovers->push_back(std::move(handover));
+    }
+  }
+  return out;
+}
+
+MapperConfig short_submaps() {
+  MapperConfig config;
+  config.submap.period_s = 0.5;
+  config.first_submap_id = 7;
+  return config;
+}
+
+TEST(Mapper, ASweepWaitsUntilPosesCoverIt) {
+  Mapper mapper{MapperConfig()};
+  mapper.add_pose(stamp_of(0.0), line(0.0));
+  mapper.add_sweep(sweep_at(0.02));
+  EXPECT_TRUE(all_steps(&mapper).empty());
+  mapper.add_pose(stamp_of(0.1), line(0.1));
+  EXPECT_TRUE(all_steps(&mapper).empty());  // the sweep ends later
+  mapper.add_pose(stamp_of(0.2), line(0.2));
+  const auto steps = all_steps(&mapper);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].fate, SweepFate::kMapped);
+  EXPECT_EQ(steps[0].stamp_ns, stamp_of(0.02));
+  EXPECT_GT(steps[0].statistics.cells_hit, 100u);
+  EXPECT_NEAR(steps[0].T_O_B.translation().x(), 1.5 * 0.07, 1e-3);  // halfway
+}
+
+TEST(Mapper, PutsPointsWhereTheyWereWhenTheySensorSawThem) {
+  Mapper mapper{MapperConfig()};
+  for (int i = 0; i <= 60; ++i) mapper.add_pose(stamp_of(0.02 * i), line(0.02 * i));
+  for (int i = 0; i < 10; ++i) {
+    mapper.add_sweep(sweep_at(0.1 * i));
+    all_steps(&mapper);
+  }
+  const std::vector<float> points = mapper.map().occupied_points();
+  ASSERT_GT(points.size(), 300u);
+  const RoomWorld world = RoomWorld::hall();
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    const Vec3 p(points[i], points[i + 1], points[i + 2]);
+    double nearest = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      nearest = std::min({nearest, std::abs(p[axis] - world.room.min[axis]), std::abs(p[axis] - world.room.max[axis])});
+    }
+    for (const geometry::Aabb& box : world.boxes) {
+      nearest = std::min(nearest, (p - p.cwiseMax(box.min).cwiseMin(box.max)).norm());
+    }
+    EXPECT_LT(nearest, 0.1) << p.transpose();
+  }
+}
+
+TEST(Mapper, DropsWhatWillNeverHaveAPoseAndWhatWaitsTooLong) {
+  Mapper mapper{MapperConfig()};
+  mapper.add_pose(stamp_of(5.0), line(5.0));
+  mapper.add_sweep(sweep_at(1.0), std::nullopt, 0.0);
+  auto steps = all_steps(&mapper);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].fate, SweepFate::kNoPose);
+  EXPECT_FALSE(steps[0].reason.empty());
+  mapper.add_sweep(sweep_at(6.0), std::nullopt, 10.0);
+  mapper.drop_overdue(10.4, 0.5);
+  EXPECT_FALSE(mapper.has_next());
+  mapper.drop_overdue(10.6, 0.5);
+  steps = all_steps(&mapper);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].fate, SweepFate::kNoPose);
+  EXPECT_EQ(steps[0].stamp_ns, stamp_of(6.0));
+}
+
+TEST(Mapper, TheOldestGivesWayWhenTooManyWait) {
+  MapperConfig config;
+  config.max_pending_scans = 2;
+  Mapper mapper{config};
+  for (int i = 0; i < 3; ++i) mapper.add_sweep(sweep_at(0.1 * i));
+  const auto steps = all_steps(&mapper);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].fate, SweepFate::kCrowded);
+  EXPECT_EQ(steps[0].stamp_ns, stamp_of(0.0));
+}
+
+TEST(Mapper, DropsWhatStillWaitsWhenTheInputEnds) {
+  Mapper mapper{MapperConfig()};
+  mapper.add_sweep(sweep_at(0.0));
+  mapper.end_input();
+  const auto steps = all_steps(&mapper);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].fate, SweepFate::kNoPose);
+}
+
+TEST(Mapper, ALateSweepIsDroppedAndOnlyALastingJumpBackClears) {
+  Mapper mapper{MapperConfig()};
+  const auto add = [&](double t) {
+    mapper.add_sweep(sweep_at(t), pipeline::SweepPoses());
+    std::vector<MapperStep> steps = all_steps(&mapper);
+    EXPECT_EQ(steps.size(), 1u);
+    return steps.at(0);
+  };
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(add(10.0 + 0.1 * i).fate, SweepFate::kMapped);
+  EXPECT_EQ(add(10.1).fate, SweepFate::kLate);
+  EXPECT_EQ(add(2.0).fate, SweepFate::kLate);
+  EXPECT_EQ(add(10.3).fate, SweepFate::kMapped);
+  EXPECT_EQ(add(3.0).fate, SweepFate::kLate);
+  EXPECT_EQ(add(3.1).fate, SweepFate::kLate);
+  const MapperStep step = add(3.2);
+  EXPECT_EQ(step.fate, SweepFate::kMapped);
+  EXPECT_TRUE(step.map_cleared);
+  EXPECT_EQ(step.handovers.size(), 1u);
+}
+
+TEST(Mapper, AJumpOfThePoseHandsOverAndClears) {
+  Mapper mapper{short_submaps()};
+  const auto add = [&](double t, double x) {
+    pipeline::SweepPoses poses;
+    poses.T_O_B.translation().x() = x;
+    poses.motion.T_O_L_start = poses.motion.T_O_L_end = poses.T_O_B;
+    mapper.add_sweep(sweep_at(t), poses);
+    return mapper.next();
+  };
+  EXPECT_FALSE(add(0.0, 0.0).map_cleared);
+  EXPECT_TRUE(mapper.close_due().empty());
+  const MapperStep jumped = add(0.1, 50.0);
+  ASSERT_EQ(jumped.handovers.size(), 1u);
+  EXPECT_EQ(jumped.handovers[0].submap_id, 7u);
+  EXPECT_TRUE(jumped.map_cleared);
+  EXPECT_EQ(jumped.fate, SweepFate::kMapped);
+  EXPECT_THROW(mapper.next(), std::logic_error);
+}
+
+TEST(Mapper, ClosesSubmapsOnTime) {
+  Mapper mapper{short_submaps()};
+  std::vector<pipeline::Handover> handovers;
+  for (int i = 0; i < 14; ++i) {
+    mapper.add_sweep(sweep_at(0.1 * i), pipeline::SweepPoses());
+    all_steps(&mapper, &handovers);
+  }
+  ASSERT_EQ(handovers.size(), 2u);
+  EXPECT_EQ(handovers[0].submap_id, 7u);
+  EXPECT_EQ(handovers[1].submap_id, 8u);
+  EXPECT_EQ(mapper.finish("shutdown").size(), 1u);
+}
+
+TEST(Mapper, ItsOwnOdometryDeskewsAndFollows) {
+  MapperConfig config;
+  config.odometry.emplace();
+  Mapper mapper{config};
+  const Motion motion = [](double t) { return line(t > 0 ? t * t / (1 + t) : 0.0); };
+  std::vector<MapperStep> steps;
+  for (int i = 0; i < 20; ++i) {
+    mapper.add_sweep(sweep_at(0.1 * i, motion));
+    for (MapperStep& step : all_steps(&mapper)) steps.push_back(std::move(step));
+  }
+  ASSERT_EQ(steps.size(), 19u);  // the end of a sweep is known when the next one begins
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    EXPECT_EQ(steps[i].fate, SweepFate::kMapped);
+    const Pose truth = motion(0.1 * static_cast<double>(i) + 0.05);
+    EXPECT_LT((steps[i].T_O_B.translation() - truth.translation()).norm(), 0.1) << i;
+  }
+  mapper.end_input();
+  ASSERT_TRUE(mapper.has_next());
+  EXPECT_EQ(mapper.next().fate, SweepFate::kNoPose);
+}
+
+TEST(Mapper, ThinsOutOnlyWhenItIsToldOfTooMuchWork) {
+  Mapper mapper{MapperConfig()};
+  mapper.add_sweep(sweep_at(0.0), pipeline::SweepPoses());
+  const std::size_t all = mapper.next().statistics.points;
+  mapper.add_load(1.0, 0.1);
+  mapper.add_sweep(sweep_at(0.1), pipeline::SweepPoses());
+  EXPECT_EQ(mapper.decimation(), 2);
+  EXPECT_EQ(mapper.next().statistics.points, (all + 1) / 2);
+}
+
+}  // namespace
