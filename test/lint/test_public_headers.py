@@ -13,7 +13,6 @@ STILL_SHOWN = {
     ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/localizability.hpp"),
     ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/point_map.hpp"),
     ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/registration.hpp"),
-    ("include/voxnav/submap/projective_integrator.hpp", "containers/number_table.hpp"),
     ("include/voxnav/submap/scene_changes.hpp", "submap/merged/evidence_map.hpp"),
     ("include/voxnav/submap/submap.hpp", "submap/distance/distance_cache.hpp"),
     ("include/voxnav/submap/submap_collection.hpp", "submap/obstacles/obstacle_map.hpp"),

@@ -8,7 +8,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "containers/number_table.hpp"
 #include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {
@@ -107,7 +106,6 @@ class ProjectiveIntegrator {
 
   std::vector<Ray> rays_of(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L,
                            Counts* counts) const;
-  std::uint32_t group_of(const geometry::Index3& cell);
   void merge(std::vector<Ray>* rays);
   void thin(std::vector<Ray>* rays);
   void mark_ends(const std::vector<Ray>& rays);
@@ -123,9 +121,7 @@ class ProjectiveIntegrator {
 
   ProjectiveConfig config_;
   std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
-  containers::NumberTable<geometry::Index3, geometry::Index3Hash> groups_;
-  std::vector<geometry::Index3> group_cells_;  ///< of the groups, by number
-  std::uint32_t scan_ = 0;                     ///< 30 bits, never 0
+  std::uint32_t scan_ = 0;  ///< 30 bits, never 0
 };
 
 }  // namespace voxnav::submap

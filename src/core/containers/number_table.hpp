@@ -76,4 +76,33 @@ class NumberTable {
   std::size_t size_ = 0;
 };
 
+/// Numbers keys from 0 on, in the order in which they are met.
+template <class Key, class Hash>
+class KeyNumbers {
+ public:
+  /// Forgets everything and makes room for `count` keys.
+  void reset(std::size_t count) {
+    numbers_.reset(count);
+    keys_.clear();
+  }
+  /// Forgets everything and keeps the room.
+  void clear() {
+    numbers_.clear();
+    keys_.clear();
+  }
+  /// The number of a key, which is size() as it was before for one that is new.
+  std::uint32_t number_of(const Key& key) {
+    const auto next = static_cast<std::uint32_t>(keys_.size());
+    const std::uint32_t number =
+        numbers_.insert(key, next, [this](std::uint32_t other) -> const Key& { return keys_[other]; });
+    if (number == next) keys_.push_back(key);
+    return number;
+  }
+  std::size_t size() const { return keys_.size(); }
+
+ private:
+  NumberTable<Key, Hash> numbers_;
+  std::vector<Key> keys_;  ///< by number
+};
+
 }  // namespace voxnav::containers

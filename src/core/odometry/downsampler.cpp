@@ -17,17 +17,14 @@ VoxelKey key_of(const Vec3f& point, float inverse_size) {
 }
 
 void Downsampler::run(const std::vector<Vec3f>& points, double voxel_size_m, std::vector<Vec3f>* out) {
-  numbers_.clear();
-  keys_.clear();
+  voxels_.clear();
   out->clear();
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
   for (const Vec3f& p : points) {
     const VoxelKey key = key_of(p, inverse_size);
     if (key == kNoKey) continue;
-    const auto next = static_cast<std::uint32_t>(keys_.size());
-    if (numbers_.insert(key, next, [this](std::uint32_t number) { return keys_[number]; }) != next) continue;
-    keys_.push_back(key);
-    out->push_back(p);
+    const std::size_t num_met = voxels_.size();
+    if (voxels_.number_of(key) == num_met) out->push_back(p);
   }
 }
 

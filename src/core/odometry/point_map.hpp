@@ -36,8 +36,7 @@ class Downsampler {
   void run(const std::vector<Vec3f>& points, double voxel_size_m, std::vector<Vec3f>* out);
 
  private:
-  VoxelNumbers numbers_;
-  std::vector<VoxelKey> keys_;  ///< of the points that were kept
+  containers::KeyNumbers<VoxelKey, VoxelKeyHash> voxels_;
 };
 
 /// What the surface around a map point looks like.

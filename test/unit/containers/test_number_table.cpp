@@ -71,6 +71,21 @@ TEST(NumberTable, KnowsNothingBeforeAnythingIsInsertedAndAfterItForgets) {
   }
 }
 
+TEST(KeyNumbers, CountsKeysInTheOrderInWhichTheyAreMet) {
+  containers::KeyNumbers<Index3, geometry::Index3Hash> numbers;
+  std::mt19937 rng(7);
+  for (int round = 0; round < 3; ++round) {
+    round == 1 ? numbers.reset(10) : numbers.clear();
+    std::map<Index3, std::uint32_t> expected;
+    for (int i = 0; i < 2000; ++i) {
+      const Index3 key = random_index(&rng, 6);
+      const auto next = static_cast<std::uint32_t>(expected.size());
+      ASSERT_EQ(numbers.number_of(key), expected.insert({key, next}).first->second);
+      ASSERT_EQ(numbers.size(), expected.size());
+    }
+  }
+}
+
 TEST(NumberTable, KeysThatWantTheSameSlotAreToldApart) {
   containers::NumberTable<int, SameSlot> table;
   const auto key_of = [](std::uint32_t number) { return static_cast<int>(number) * 7; };

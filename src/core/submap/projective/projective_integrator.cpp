@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "containers/number_table.hpp"
 #include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -16,6 +17,9 @@ using geometry::Vec3;
 
 /// A ray of the fast rule stops after this many voxels in a row that other rays of the scan have seen.
 constexpr int kMaxSeenInARow = 2;
+
+/// Numbers the cells that rays end in.
+using CellGroups = containers::KeyNumbers<Index3, geometry::Index3Hash>;
 
 }  // namespace
 
@@ -65,25 +69,17 @@ std::vector<ProjectiveIntegrator::Ray> ProjectiveIntegrator::rays_of(const std::
   return out;
 }
 
-/// The group of rays that end in a cell; a new one gets the next number.
-std::uint32_t ProjectiveIntegrator::group_of(const Index3& cell) {
-  const auto next = static_cast<std::uint32_t>(group_cells_.size());
-  const auto cell_of = [this](std::uint32_t group) { return group_cells_[group]; };
-  const std::uint32_t group = groups_.insert(cell, next, cell_of);
-  if (group == next) group_cells_.push_back(cell);
-  return group;
-}
-
 /// One ray per end voxel: weighted mean point and summed weight; of clearing rays the first one stands for all.
 void ProjectiveIntegrator::merge(std::vector<Ray>* rays) {
   std::vector<Ray> out;  // in order of first points, so that the result is deterministic
-  group_cells_.clear();
   for (const bool is_clearing : {false, true}) {
-    groups_.reset(rays->size());
+    const auto first = static_cast<std::uint32_t>(out.size());
+    CellGroups groups;
+    groups.reset(rays->size());
     for (const Ray& ray : *rays) {
       if (ray.is_clearing != is_clearing) continue;
       const auto next = static_cast<std::uint32_t>(out.size());
-      const std::uint32_t group = group_of(floor_index(ray.end / config_.resolution_m));
+      const std::uint32_t group = first + groups.number_of(floor_index(ray.end / config_.resolution_m));
       if (group == next) {
         out.push_back(ray);
       } else if (!is_clearing) {
@@ -99,12 +95,12 @@ void ProjectiveIntegrator::merge(std::vector<Ray>* rays) {
 
 /// The first ray of each cell of half a voxel.
 void ProjectiveIntegrator::thin(std::vector<Ray>* rays) {
-  groups_.reset(rays->size());
-  group_cells_.clear();
+  CellGroups groups;
+  groups.reset(rays->size());
   std::vector<Ray> out;
   for (const Ray& ray : *rays) {
     const auto next = static_cast<std::uint32_t>(out.size());
-    if (group_of(floor_index(ray.end / (0.5 * config_.resolution_m))) == next) out.push_back(ray);
+    if (groups.number_of(floor_index(ray.end / (0.5 * config_.resolution_m))) == next) out.push_back(ray);
   }
   rays->swap(out);
 }
