@@ -59,7 +59,7 @@ struct HasProblems<C, std::void_t<decltype(std::declval<const C&>().problems())>
 
 }  // namespace detail
 
-/// One field as documentation shows it.
+/// One field with everything that the documentation says about it.
 struct FieldInfo {
   std::string name;
   Value value;
@@ -92,7 +92,8 @@ std::vector<std::string> problems_of(const C& config) {
   return out;
 }
 
-/// @throws ConfigError listing every broken rule. Constructors of core classes call this first.
+/// Gives a configuration back if it is usable. Constructors of core classes call this first.
+/// @throws ConfigError listing every broken rule
 template <class C>
 const C& checked(const C& config) {
   const std::vector<std::string> problems = problems_of(config);
@@ -100,8 +101,8 @@ const C& checked(const C& config) {
   return config;
 }
 
-/// Set fields by name. Unknown names, wrong types and out-of-range values are returned as problems,
-/// each naming key, value and what is allowed; `prefix` is put before the key (as "map/").
+/// Sets fields by name. Unknown names, wrong types and values out of range are returned as problems, each of which
+/// names key, value and what is allowed; `prefix` is put before the key (as "map/").
 template <class C>
 std::vector<std::string> assign(C* config, const ValueMap& values, const std::string& prefix = "") {
   std::vector<std::string> problems;

@@ -7,8 +7,8 @@
 
 namespace voxnav::base {
 
-/// Mean, maximum and quantiles of a duration in constant memory: a histogram with 7 % wide buckets
-/// from 1 microsecond to about 500 seconds. A quantile is therefore exact within 7 %.
+/// Mean, maximum and quantiles of a duration in constant memory: a histogram whose buckets are 7 % wide and reach from
+/// 1 microsecond to about 500 seconds. A quantile is therefore exact within 7 %.
 class DurationHistogram {
  public:
   void add(double milliseconds);
@@ -52,7 +52,7 @@ class StageTimer {
 double wall_clock_ms();
 double thread_cpu_ms();
 
-/// Resident memory and CPU time of this process; zero where the system does not tell (not Linux).
+/// Resident memory and CPU time of this process; both are zero on systems that do not tell (all but Linux).
 struct ProcessUsage {
   std::uint64_t rss_bytes = 0;
   double cpu_s = 0.0;

@@ -6,7 +6,7 @@
 
 namespace voxnav::base {
 
-/// Time stamps are integer nanoseconds; Python and text files use seconds, converted at the edge.
+/// Time stamps are integer nanoseconds. Python and text files use seconds, which are converted where they come in.
 using StampNs = std::int64_t;
 
 inline double to_seconds(StampNs stamp_ns) { return static_cast<double>(stamp_ns) * 1e-9; }

@@ -10,7 +10,7 @@
 
 namespace voxnav::containers {
 
-/// Values are part of the Python face and of messages.
+/// What is known of a voxel. The values are part of the Python face and of messages.
 enum class State : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
 /// The states of one block of 16^3 voxels, two bits each, voxel order of geometry::offset_in_block().
@@ -26,8 +26,8 @@ struct StateBlock {
   bool all_unknown() const;
 };
 
-/// Three-state grid in blocks: the form in which occupancy leaves a map (messages, submaps, planner).
-/// Absent blocks are unknown. Memory is 1 KiB per block plus the index. Not thread-safe.
+/// A grid of voxels in three states, in blocks: the form in which occupancy leaves a map for messages, submaps and the
+/// planner. Blocks that are not there are unknown. A block takes 1 KiB beside its index. Not thread-safe.
 class StateGrid {
  public:
   using Blocks = std::unordered_map<geometry::Index3, StateBlock, geometry::Index3Hash>;
@@ -37,7 +37,7 @@ class StateGrid {
 
   double resolution_m() const { return resolution_m_; }
   State state(const geometry::Index3& voxel) const;
-  /// Unknown for points that are not finite.
+  /// The state of the voxel that holds a point; unknown for points that are not finite.
   State state(const geometry::Vec3& point) const;
   void set(const geometry::Index3& voxel, State state);
 

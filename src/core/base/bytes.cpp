@@ -7,7 +7,7 @@ namespace voxnav::base {
 namespace {
 
 constexpr std::size_t kSlices = 8;
-/// Table k: what a byte does k bytes later.
+/// Table k holds what a byte does to the checksum once k more bytes have followed it.
 using CrcTables = std::array<std::array<std::uint32_t, 256>, kSlices>;
 
 CrcTables make_crc_tables() {
@@ -26,15 +26,16 @@ CrcTables make_crc_tables() {
   return tables;
 }
 
-/// Salted with the length: the plain CRC of no bytes is zero, which four zero bytes would satisfy.
+/// The checksum starts from the length, because the plain CRC of no bytes is zero, which a file of four zero bytes
+/// would satisfy.
 std::uint32_t checksum(const char* data, std::size_t size) {
   return crc32(data, size) ^ (0x9E3779B9u + static_cast<std::uint32_t>(size));
 }
 
 }  // namespace
 
-/// Eight bytes at once. Source: Kounavis and Berry, A Systematic Approach to Building High Performance Software-Based
-/// CRC Generators, ISCC 2005 (slicing-by-8).
+/// The loop takes eight bytes at once. Source: Kounavis and Berry, A Systematic Approach to Building High Performance
+/// Software-Based CRC Generators, ISCC 2005 (slicing-by-8).
 std::uint32_t crc32(const char* data, std::size_t size) {
   static const CrcTables tables = make_crc_tables();
   const auto byte = [data](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(data[i])); };

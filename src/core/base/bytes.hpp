@@ -39,8 +39,8 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// Reads what ByteWriter wrote. Every read past the end throws std::invalid_argument naming `what`,
-/// so that truncated or corrupt input is never followed.
+/// Reads what ByteWriter wrote. Every read past the end throws std::invalid_argument naming `what`, so that nobody goes
+/// on with input that is truncated or corrupt.
 class ByteReader {
  public:
   /// @throws std::invalid_argument when the checksum at the end does not match
@@ -57,7 +57,7 @@ class ByteReader {
   void check_header(const Format& format);
   void get_raw(void* data, std::size_t size) {
     if (size > end_ - position_) fail("ends early");
-    if (size > 0) std::memcpy(data, bytes_->data() + position_, size);  // `data` of an empty vector may be null
+    if (size > 0) std::memcpy(data, bytes_->data() + position_, size);  // the data() of an empty vector may be null
     position_ += size;
   }
   /// A count of items of which each takes at least `item_size` bytes: refused when they cannot all be there.

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-/// Broken invariants throw in release builds too: a map that is wrong must not be flown.
+/// Invariants are checked in release builds, too, and a broken one throws: nobody may fly by a map that is wrong.
 #define VOXNAV_CHECK(condition, message)                                                                \
   do {                                                                                                  \
     if (!(condition)) throw std::logic_error(std::string(__FILE__) + ": " #condition ": " + (message)); \

@@ -23,7 +23,7 @@ std::string number(double value) {
   return out.str();
 }
 
-/// Levenshtein distance, for "did you mean".
+/// The Levenshtein distance finds the parameter that somebody may have meant.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -111,7 +111,7 @@ std::string read(const Value& value, std::string* field) {
 }
 
 std::string read(const Value& value, std::vector<double>* field) {
-  // An empty YAML list has no element type of its own.
+  // An empty list in YAML says nothing about the type of its elements.
   const auto* strings = std::get_if<std::vector<std::string>>(&value);
   if (strings && strings->empty()) {
     field->clear();

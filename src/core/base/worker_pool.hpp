@@ -14,18 +14,18 @@
 namespace voxnav::base {
 
 /// Threads that wait for work, so that a parallel step of a few hundred microseconds is not spent on starting them.
-/// One caller at a time.
+/// Only one thread at a time may call.
 class WorkerPool {
  public:
-  /// The caller works too: num_workers - 1 threads are started.
+  /// The calling thread works, too, so num_workers - 1 threads are started.
   explicit WorkerPool(int num_workers);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int size() const { return static_cast<int>(threads_.size()) + 1; }
-  /// Calls task(0) .. task(size - 1), one per thread, and returns when all are done. The first exception is thrown
-  /// again here.
+  /// Calls task(0) .. task(size - 1), each on a thread of its own, and returns when all are done. The first exception
+  /// that a task throws is thrown again here.
   void run(const std::function<void(int)>& task);
 
  private:
@@ -42,7 +42,7 @@ class WorkerPool {
   std::vector<std::thread> threads_;
 };
 
-/// Part `worker` of `count` items, split evenly among workers.
+/// The items that fall to one of several workers when `count` items are split evenly.
 struct Share {
   std::size_t begin;
   std::size_t end;
@@ -52,12 +52,12 @@ inline Share share_of(std::size_t count, int worker, int num_workers) {
   return {part(worker), part(worker + 1)};
 }
 
-/// Items handed out in order, `step` at a time, to whichever thread asks next: for items that cost unlike much. Who
-/// gets which is up to chance; results must not depend on it.
+/// Hands items out in order, `step` at a time, to whichever thread asks next. This suits items of very different cost.
+/// Which thread gets which item is up to chance, so results must not depend on it.
 class SharedItems {
  public:
   SharedItems(std::size_t count, std::size_t step) : count_(count), step_(step) {}
-  /// False when nothing is left.
+  /// Gives the next items; false when nothing is left.
   bool next(Share* share) {
     share->begin = next_.fetch_add(step_);
     share->end = std::min(count_, share->begin + step_);

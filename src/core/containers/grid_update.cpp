@@ -19,7 +19,7 @@ geometry::Index3 index_at(const std::vector<std::int32_t>& list, std::size_t i) 
   return {list[3 * i], list[3 * i + 1], list[3 * i + 2]};
 }
 
-/// Voxel indices are 32 bits, so a block index has four bits less.
+/// The indices of voxels have 32 bits, so that the index of a block of 16^3 has four bits less.
 bool all_in_range(const std::vector<std::int32_t>& list) {
   constexpr std::int32_t kLimit = 1 << 26;
   for (const std::int32_t i : list) {

@@ -20,7 +20,7 @@ State StateGrid::state(const geometry::Index3& voxel) const {
 }
 
 State StateGrid::state(const geometry::Vec3& point) const {
-  // Beyond 2^30 cells an index would overflow; nothing is known out there.
+  // The index of a voxel beyond 2^30 would overflow; nothing is ever known that far away.
   if (!((point.array().abs() / resolution_m_) < 1073741824.0).all()) return State::kUnknown;
   return state(geometry::index_of(point, resolution_m_));
 }

@@ -15,7 +15,7 @@ void BeamImage::build(const float* points, std::size_t n, std::size_t stride, fl
   points_ = points;
   stride_ = stride * every;
   farthest_m_ = farthest_m;
-  // Longest ones need not be told apart.
+  // Beams of the greatest range and beyond need not be told apart.
   steps_per_m_ = static_cast<float>(kernels::kMaxBeamRange - 1) / farthest_m;
   is_first_kept_ = !is_first_kept_;
   const auto clear = [](std::size_t side, std::vector<BeamPixel>* image) {

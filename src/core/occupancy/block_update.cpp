@@ -11,10 +11,11 @@ namespace {
 using kernels::count_bits;
 using kernels::for_each_bit;
 
-/// A quarter of the voxels: more surface does not fit between walls. Bounds the memory of a block.
+/// A block keeps leaves for a quarter of its voxels at most, which bounds its memory; real surfaces leave more room
+/// between them.
 constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
 
-/// Voxels with hits of earlier scans whose surface this scan saw through.
+/// Finds the voxels with hits of earlier scans whose surface this scan saw through.
 VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits,
                        const SurfaceSight& sight) {
   if (block->leaves.empty()) return {};
@@ -30,7 +31,8 @@ struct Applied {
   bool any_level_changed = false;
 };
 
-/// Voxels without hits of their own are missed by any ray that crosses them, the others only when they are refuted.
+/// Counts misses. A voxel without hits of earlier scans is missed by any ray that crosses it, a voxel with hits only
+/// when it is refuted.
 void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
                   const LogOddsScale& scale, const StateLevels& levels, Applied* out) {
   VoxelBits misses;
@@ -61,7 +63,7 @@ void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOdds
   }
 }
 
-/// New hits get a leaf; a leaf goes when its voxel is free and was refuted.
+/// Gives voxels with new hits a leaf, and takes the leaf from a voxel that is free and was refuted.
 void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const VoxelBits& hits, const VoxelBits& refuted,
                    const StateLevels& levels) {
   VoxelBits bits = block->leaves.bits();
@@ -91,7 +93,8 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
   apply_hits(block, evidence, scale, levels, &applied);
   for (int word = 0; word < 64; ++word) block->seen[word] |= evidence.passed[word] | hits[word];
   if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
-  // Most blocks are free space at the lower clamp, where a miss changes nothing.
+  // Inner nodes need no work where no level changed: most blocks are free space at the lower clamp, where a miss
+  // changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {
     OctreeBlock::Flags flags;
     block->leaf_flags(levels, &flags);

@@ -11,9 +11,9 @@ namespace voxnav::occupancy {
 
 /// All that one scan says about one block.
 struct BlockEvidence {
-  VoxelBits passed{};            ///< crossed by rays
+  VoxelBits passed{};            ///< voxels that rays crossed
   geometry::Index3 first_voxel;  ///< window coordinates
-  const VoxelBits* hit_bits;     ///< null: no hits
+  const VoxelBits* hit_bits;     ///< voxels that were hit; null when there are none
   const HitVoxel* hits_begin;
   const HitVoxel* hits_end;
   int scan_number;  ///< since the last handover, from 1
@@ -33,7 +33,7 @@ struct BlockUpdate {
   }
 };
 
-/// One pass: misses, hits (which win), mean hit points, inner nodes.
+/// Puts what one scan says into a block: misses, then hits, which win over them, then mean hit points and inner nodes.
 BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
                          const LogOddsScale& scale, const StateLevels& levels);
 

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kHysteresisBlocks = 0.25;
 
-/// The middle block of one axis: unchanged while the centre stays in or near it.
+/// The block that is to be the middle one along an axis. It stays the same while the centre is in it or near it.
 int middle_of(double center_blocks, int middle) {
   const bool stays = center_blocks >= middle - kHysteresisBlocks && center_blocks <= middle + 1 + kHysteresisBlocks;
   return stays ? middle : static_cast<int>(std::floor(center_blocks));

@@ -9,14 +9,14 @@
 
 namespace voxnav::occupancy {
 
-/// A block that left the window.
+/// A block that the window has left behind.
 struct EvictedBlock {
   geometry::Index3 index;
   std::unique_ptr<OctreeBlock> block;
 };
 
-/// Bounded box of blocks around the sensor. Moving it re-seats pointers and hands out what falls outside;
-/// blocks that stay are never copied.
+/// A bounded box of blocks around the sensor. Moving it only moves pointers and hands out the blocks that are outside
+/// afterwards; blocks that stay are never copied.
 class BlockWindow {
  public:
   BlockWindow(std::array<int, 3> num_blocks, double block_size_m);
@@ -30,7 +30,7 @@ class BlockWindow {
     bool jumped = false;                ///< the new box shares nothing with the old one
     std::vector<EvictedBlock> evicted;  ///< sorted by index
   };
-  /// Puts the middle block under `center` once that is more than a quarter block outside it.
+  /// Moves the box so that its middle block holds `center`, once that lies more than a quarter block outside it.
   Move recenter(const geometry::Vec3& center);
 
   bool is_placed() const { return is_placed_; }
@@ -43,7 +43,7 @@ class BlockWindow {
   }
   void place(const geometry::Index3& first_block);
 
-  /// -1 outside the box. Slots are ordered as Index3 is: z, y, x.
+  /// The slot of a block, -1 outside the box. Slots are ordered as Index3 is: by z, y and x.
   int slot_of(const geometry::Index3& block) const;
   geometry::Index3 block_at(int slot) const;
   OctreeBlock* at(int slot) { return slots_[slot].get(); }

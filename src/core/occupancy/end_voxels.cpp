@@ -87,7 +87,7 @@ void EndVoxels::finish() {
     }
   }
   hits_.reserve(sums_.size());
-  rays_.reserve(sums_.size() + clearing_ends_.size());  // what doubling would add is a fiftieth of a map
+  rays_.reserve(sums_.size() + clearing_ends_.size());  // a vector that doubles may take a fiftieth of a map more
   for (const Block& block : blocks_) finish_block(block);
   for (const geometry::Vec3f& end : clearing_ends_) rays_.push_back(end);
 }

@@ -23,18 +23,19 @@ class EndVoxels {
   explicit EndVoxels(std::array<int, 3> num_blocks);
 
   void clear();
-  /// The part's runs and the beams that went on; of those the first one in a voxel is kept. The part must stay until
-  /// finish().
+  /// Adds what one thread made of its part of the scan: its runs, and the beams that went on, of which the first one in
+  /// a voxel is kept. The part must stay where it is until finish().
   void add(const ScanPart& part);
-  /// Call once after the last add. Hits come grouped by block, in the order in which blocks were first hit.
+  /// Is to be called once after the last add(). Hits then come grouped by block, in the order in which blocks were
+  /// first hit.
   void finish();
 
   const std::vector<HitVoxel>& hits() const { return hits_; }
   /// Where rays end: at the mean of each hit voxel's points, in the order of hits(), and where beams went on.
   const std::vector<geometry::Vec3f>& rays() const { return rays_; }
-  /// One more ray that hits nothing.
+  /// Adds one more ray that hits nothing.
   void add_ray(const geometry::Vec3f& end) { rays_.push_back(end); }
-  /// Null when nothing ended in the block.
+  /// The voxels of a block that were hit; null when nothing ended in it.
   const VoxelBits* hit_bits(std::uint32_t slot) const {
     return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits;
   }
@@ -42,9 +43,9 @@ class EndVoxels {
     std::size_t begin;
     std::size_t end;
   };
-  /// Where the hits of a block lie in hits(); may be empty.
+  /// The range of hits() that lies in a block; it may be empty.
   Range range(std::uint32_t slot) const;
-  /// Widens a box of blocks (from the window's corner) to hold all ends.
+  /// Widens a box of blocks (counted from the window's corner) until it holds all ends.
   void widen(geometry::Index3* low, geometry::Index3* high) const;
   std::size_t memory_bytes() const;
 

@@ -8,13 +8,13 @@
 namespace voxnav::occupancy {
 namespace {
 
-// Thresholds are inclusive, so a level that equals one up to rounding must not count as beyond it.
+// A probability that equals a threshold is unknown, so a level that equals it up to rounding must not count as beyond.
 constexpr double kTieLevels = 1e-6;
 constexpr double kTieLogOdds = 1e-9;
 constexpr int kMaxLevel = 250;
 constexpr int kMaxScans = 1000;
 
-/// Applies `step` from `start` until `reached`; counts the applications.
+/// Counts how often `step` has to be applied from `start` on until `reached` holds.
 template <class Number, class Reached>
 int count_steps(Number start, Number step, Number low, Number high, Reached reached) {
   Number value = start;
@@ -99,7 +99,7 @@ LogOddsScale LogOddsScale::from(const LocalMapConfig& config) {
   for (int hit = finest; hit >= 1; --hit) {
     const LogOddsScale scale = scale_with_hit(config, hit);
     const StateLevels levels(scale, config.free_threshold, config.occupied_threshold);
-    // Faithful counts first, then the truest ratio between a hit and a miss.
+    // Scales with faithful counts are preferred, and among them the one with the truest ratio of a hit to a miss.
     const double cost = 100.0 * mismatch(ideal, transitions_of(scale, levels)) +
                         std::abs(static_cast<double>(scale.hit) / scale.miss / ratio - 1.0);
     if (cost < best_cost) {

@@ -24,13 +24,13 @@ struct LogOddsScale {
   static LogOddsScale from(const LocalMapConfig& config);
 
   double log_odds(int level) const { return (level - prior) / levels_per_unit; }
-  /// Highest level that is strictly below the probability, -1 if none.
+  /// The highest level that is strictly below a probability; -1 when there is none.
   int highest_below(double probability) const;
-  /// Lowest level that is strictly above the probability, max + 1 if none.
+  /// The lowest level that is strictly above a probability; max + 1 when there is none.
   int lowest_above(double probability) const;
 };
 
-/// Levels that separate the three states; both thresholds themselves are unknown.
+/// The levels that separate the three states. A voxel at one of the two thresholds is unknown.
 struct StateLevels {
   int free_max = -1;       ///< free up to and including this level
   int occupied_min = 256;  ///< occupied from this level on
@@ -38,7 +38,7 @@ struct StateLevels {
   StateLevels() = default;
   StateLevels(const LogOddsScale& scale, double free_threshold, double occupied_threshold)
       : free_max(scale.highest_below(free_threshold)), occupied_min(scale.lowest_above(occupied_threshold)) {}
-  /// The same as bytes: free below the first, occupied from the second on.
+  /// The same limits as bytes: voxels are free below the first and occupied from the second on.
   std::uint8_t free_end() const { return static_cast<std::uint8_t>(free_max + 1); }
   std::uint8_t occupied_begin() const { return static_cast<std::uint8_t>(occupied_min < 255 ? occupied_min : 255); }
   containers::State of(int level) const {
@@ -47,7 +47,7 @@ struct StateLevels {
   }
 };
 
-/// Scans needed between states, -1 where never reached.
+/// How many scans it takes to get from one state to another; -1 where that state is never reached.
 struct Transitions {
   int hits_unknown_to_occupied;
   int misses_unknown_to_free;
@@ -56,10 +56,10 @@ struct Transitions {
   int hits_empty_to_not_free;
   int hits_empty_to_occupied;
 };
-/// Exact arithmetic in doubles: what the byte scale has to reproduce.
+/// The same in exact arithmetic, which the byte scale has to reproduce.
 Transitions ideal_transitions(const LocalMapConfig& config);
 Transitions transitions_of(const LogOddsScale& scale, const StateLevels& levels);
-/// Sum over all counts of how far they are apart; 0 = the scale is faithful.
+/// The sum over all counts of how far two sets of them are apart; the scale is faithful when it is zero.
 int mismatch(const Transitions& a, const Transitions& b);
 
 }  // namespace voxnav::occupancy

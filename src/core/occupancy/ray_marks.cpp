@@ -23,7 +23,7 @@ struct Axes {
 };
 constexpr Axes axes_of(int face) { return {face / 2, face / 2 == 0 ? 1 : 0, face / 2 == 2 ? 1 : 2}; }
 
-/// By arithmetic, since branches could not be predicted.
+/// The face that a ray leaves through, found by arithmetic, since no processor could predict the branches.
 int face_through(const geometry::Vec3f& way) {
   const float x = std::abs(way.x()), y = std::abs(way.y()), z = std::abs(way.z());
   const bool is_x = (x >= y) & (x >= z), is_y = !is_x & (y >= z), is_z = !is_x & !is_y;
@@ -31,7 +31,7 @@ int face_through(const geometry::Vec3f& way) {
   return static_cast<int>(2u * is_y + 4u * is_z + is_up);
 }
 
-/// 16 rows of 16 voxels of an image, and whether any is marked.
+/// 16 rows of 16 voxels of an image.
 struct Rows {
   std::uint16_t row[kSide];
   bool load(const std::uint8_t* at, std::ptrdiff_t step) {
@@ -50,7 +50,7 @@ void RayMarks::begin(const ScanBox& box, const std::vector<geometry::Vec3f>& end
   box_ = &box;
   origin_ = (origin - box.corner()).cast<float>();
   const std::uint32_t longest = std::max({box.size(0), box.size(1), box.size(2)}) * kSide + 2;
-  // Coordinates stay below 2^29, so that the sum of one and kNever is still a number.
+  // Coordinates in fixed point stay below 2^29, so that the largest step can be added to one without overflow.
   for (fraction_bits_ = 0; (std::uint64_t{longest} << (fraction_bits_ + 1)) < (1u << 29);) ++fraction_bits_;
   sort(ends);
 }
@@ -117,7 +117,7 @@ void RayMarks::clear(int which) {
   const std::int32_t first_word = a.low * kSide / kWord;
   face.step_b = (a.high * kSide - 1) / kWord + 1 - first_word;
   face.step_c = face.step_b * lines(b);
-  // Reach is in the image behind one spare line.
+  // The image has one spare line before the first that rays reach.
   face.zero = (1 - b.low * kSide) * face.step_b + (1 - c.low * kSide) * face.step_c - first_word;
   face.words.assign(static_cast<std::size_t>(face.step_c) * static_cast<std::size_t>(lines(c)), 0);
 }
@@ -174,7 +174,7 @@ void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
                      static_cast<std::ptrdiff_t>(face.step_b) * 4))
         continue;
       if (axes.a != 0) kernels::transpose_16(rows.row, turned);
-      // Rows are along x now, one for each b (axis x) or each a.
+      // Here rows lie along x: one for each b when the face looks along x, else one for each a.
       for (int i = 0; i < kSide; ++i) {
         const int y = axes.a == 2 ? c : i, z = axes.a == 2 ? i : c;
         const std::uint16_t row = axes.a == 0 ? rows.row[i] : turned[i];

@@ -18,14 +18,14 @@ class RayMarks {
  public:
   static constexpr int kFaces = 6;
 
-  /// Takes the ends of the rays, in the box and in voxel edges from the window's corner. `box` must stay while marks
-  /// are used. O(rays).
+  /// Takes the ends of the rays, which lie in the box and are given in voxel edges from the window's corner. `box` must
+  /// stay while marks are used. O(rays).
   void begin(const ScanBox& box, const std::vector<geometry::Vec3f>& ends, const geometry::Vec3& origin);
-  /// Marks every voxel on the lines from the origin through the face with the nth most rays, both ends included. To be
-  /// called once for each face, by one thread each. Off by less than n^2 2^-30 voxels in a box of n voxels a side.
-  /// O(voxels crossed + voxels within reach / 256).
-  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987; here over the
-  /// two shorter axes only, as runs of voxels along the longest.
+  /// Marks every voxel on the lines from the origin through the face with the nth most rays, both ends included. It is
+  /// to be called once for each face, by one thread each. A line is off by less than n^2 2^-30 voxels in a box of n
+  /// voxels a side. O(voxels crossed + voxels within reach / 256). Source: Amanatides and Woo, A Fast Voxel Traversal
+  /// Algorithm for Ray Tracing, Eurographics 1987; here over the two shorter axes only, as runs of voxels along the
+  /// longest.
   void cast(int nth);
 
   bool is_crossed(std::uint32_t block) const;
@@ -40,7 +40,8 @@ class RayMarks {
   };
   /// Lines of voxels along the axis a of the face, ordered by b and then c, the other two axes in the order of x, y, z:
   /// what a block needs then lies together. There is one line to spare on each side, since rounding may lead a ray
-  /// there. All in words of 32 voxels; the word of voxel (a, b, c) is zero + b * step_b + c * step_c + a / 32.
+  /// there. Lines are made of words of 32 voxels; the word of voxel (a, b, c) is zero + b * step_b + c * step_c + a
+  /// / 32.
   struct Face {
     std::size_t rays_begin = 0, rays_end = 0;
     std::array<Reach, 3> reach{};  ///< on a, b, c

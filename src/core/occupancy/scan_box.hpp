@@ -20,29 +20,29 @@ class ScanBox {
               static_cast<std::uint32_t>(high.z - low.z + 1)} {}
 
   std::uint32_t num_blocks() const { return size_[0] * size_[1] * size_[2]; }
-  /// Blocks along an axis.
+  /// How many blocks the box has along an axis.
   std::uint32_t size(int axis) const { return size_[static_cast<std::size_t>(axis)]; }
-  /// Blocks from one to its neighbour on an axis.
+  /// By how much the number of a block grows from one block to the next along an axis.
   std::uint32_t block_stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_[0] : size_[0] * size_[1]; }
-  /// From the window's corner, in voxels.
+  /// The corner of the box, in voxels from the window's corner.
   geometry::Vec3 corner() const { return geometry::Vec3(low_.x, low_.y, low_.z) * geometry::kBlockSide; }
-  /// From the window's corner, in blocks.
+  /// Where a block of the box lies, in blocks from the window's corner.
   geometry::Index3 block_at(std::uint32_t block) const {
     const auto yz = block / size_[0];
     return low_ + geometry::Index3{static_cast<int>(block % size_[0]), static_cast<int>(yz % size_[1]),
                                    static_cast<int>(yz / size_[1])};
   }
-  /// Slot in the window of a block of the box.
+  /// The slot that a block of the box has in the window.
   std::uint32_t slot_of(std::uint32_t block) const {
     const geometry::Index3 at = block_at(block);
     return static_cast<std::uint32_t>(at.x + window_blocks_[0] * (at.y + window_blocks_[1] * at.z));
   }
-  /// Lowest voxel of a block, from the corner of the box.
+  /// The lowest voxel of a block, counted from the corner of the box.
   geometry::Index3 first_in_box(std::uint32_t block) const {
     const geometry::Index3 at = block_at(block) - low_;
     return {at.x * geometry::kBlockSide, at.y * geometry::kBlockSide, at.z * geometry::kBlockSide};
   }
-  /// Lowest voxel of a block, from the window's corner.
+  /// The lowest voxel of a block, counted from the window's corner.
   geometry::Index3 first_voxel(std::uint32_t block) const {
     const geometry::Index3 at = block_at(block);
     return {at.x * geometry::kBlockSide, at.y * geometry::kBlockSide, at.z * geometry::kBlockSide};

@@ -14,13 +14,13 @@ struct ScanFrame : kernels::PlacementFrame {
   bool clear_beyond_range;
 
   bool contains(const geometry::Vec3f& end) const { return (end.array() >= low).all() && (end.array() <= high).all(); }
-  /// The last point inside the window on the way from the sensor to `end`.
+  /// The last point inside the window on the way from the sensor to `end`, which lies outside.
   geometry::Vec3f clipped(const geometry::Vec3f& end) const;
 };
 
 /// Points of one voxel that came one after the other: neighbouring beams mostly end together, so most of the sorting
 /// is done before any voxel is looked up.
-struct EndRun : kernels::PointSum {  // derived, so that the voxel lies where the sum has padding
+struct EndRun : kernels::PointSum {  // a base class, so that the voxel lies in the padding of the sum
   geometry::Index3 voxel{-1, -1, -1};
 };
 
@@ -28,13 +28,13 @@ struct EndRun : kernels::PointSum {  // derived, so that the voxel lies where th
 class ScanPart {
  public:
   void clear();
-  /// n points, x y z first in every `stride` floats. Runs end every kChunk points, so that sums do not depend on how
-  /// a scan is split, as long as parts begin at multiples of kChunk.
+  /// Adds n points; x y z come first in every `stride` floats. Runs end every kChunk points, so that sums do not depend
+  /// on how a scan is split, as long as parts begin at multiples of kChunk.
   void add(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame);
   static constexpr std::size_t kChunk = 1024;
 
   const std::vector<EndRun>& runs() const { return runs_; }
-  /// Ends of beams that went on behind them.
+  /// Where beams that ended beyond the window or the range were cut: they free what lies before, and hit nothing.
   const std::vector<geometry::Vec3f>& clearing_ends() const { return clearing_ends_; }
   std::size_t num_not_finite() const { return num_not_finite_; }
   std::size_t num_too_near() const { return num_too_near_; }

@@ -8,8 +8,8 @@
 
 namespace voxnav::occupancy {
 
-/// Segment against axis-aligned cubes. The squared distance along the segment is convex, so its lowest point and its
-/// first crossing of a radius are found by bisection of the slope, exactly to rounding.
+/// Distances from a segment to axis-aligned cubes. The squared distance along the segment is convex, so its lowest
+/// point and its first crossing of a radius are found by bisection of the slope, exactly to rounding.
 class Segment {
  public:
   Segment(const geometry::Vec3& a, const geometry::Vec3& b) : a_(a), delta_(b - a), length_(delta_.norm()) {}
@@ -22,7 +22,7 @@ class Segment {
     return length_ > 0.0 ? std::clamp((p - a_).dot(delta_) / (length_ * length_), 0.0, 1.0) : 0.0;
   }
 
-  /// Ratio at which the segment is nearest to the cube (the first one of several).
+  /// The ratio along the segment at which it is nearest to the cube; the first one where there are several.
   double nearest_ratio(const geometry::Vec3& center, double half_edge) const {
     if (slope(0.0, center, half_edge) >= 0.0) return 0.0;
     if (slope(1.0, center, half_edge) < 0.0) return 1.0;
@@ -31,7 +31,7 @@ class Segment {
   double distance_at(double ratio, const geometry::Vec3& center, double half_edge) const {
     return outside(at(ratio), center, half_edge).norm();
   }
-  /// First ratio at which a ball of `radius` on the segment touches the cube; call only if it does at `nearest`.
+  /// The first ratio at which a ball of `radius` on the segment touches the cube. It has to touch it at `nearest`.
   double first_touch(double nearest, double radius, const geometry::Vec3& center, double half_edge) const {
     if (distance_at(0.0, center, half_edge) <= radius) return 0.0;
     return bisect(0.0, nearest, [&](double ratio) { return distance_at(ratio, center, half_edge) <= radius; });
@@ -45,7 +45,8 @@ class Segment {
   double slope(double ratio, const geometry::Vec3& center, double half_edge) const {
     return outside(at(ratio), center, half_edge).dot(delta_);
   }
-  /// Lowest ratio that holds; it must hold at `high`, and everywhere above where it holds.
+  /// The lowest ratio for which a condition holds; the condition must hold at `high` and above any ratio where it
+  /// holds.
   template <class Holds>
   static double bisect(double low, double high, Holds holds) {
     for (int i = 0; i < 40; ++i) {
