@@ -114,31 +114,36 @@ void bind_sweep(py::module_& m) {
       .def_readonly("stamp_ns", &Sweep::stamp_ns)
       .def_readonly("start_ns", &Sweep::start_ns, "When the sweep began.")
       .def_readonly("duration_ns", &Sweep::duration_ns, "The largest time offset.")
-      .def_property_readonly("points", [](const Sweep& s) { return rows_of(s.points); },
-                             "(n, 3) float32, sensor frame [m], each as seen at its time.")
-      .def_property_readonly("time_offsets_ns",
-                             [](const Sweep& s) {
-                               return py::array_t<std::uint32_t>(static_cast<py::ssize_t>(s.time_offsets_ns.size()),
-                                                                 s.time_offsets_ns.data());
-                             },
-                             "(n,) uint32, after start_ns.")
-      .def_property_readonly("open_beams", [](const Sweep& s) { return rows_of(s.open_beams); },
-                             "(k, 3) float32 unit directions in which nothing returned.");
-  m.def("read_sweep",
-        [](const py::bytes& data, const CloudLayout& layout, base::StampNs stamp_ns) {
-          return cloud::read_sweep(view_of(data, layout, stamp_ns));
-        },
-        py::arg("data"), py::arg("layout"), py::arg("stamp_ns") = 0,
-        "Sweep of a cloud as drivers publish it.\n\ndata: bytes; layout: CloudLayout; stamp_ns: of its header.\n"
-        "Raises ValueError saying what is wrong with the layout. O(points).");
+      .def_property_readonly(
+          "points", [](const Sweep& s) { return rows_of(s.points); },
+          "(n, 3) float32, sensor frame [m], each as seen at its time.")
+      .def_property_readonly(
+          "time_offsets_ns",
+          [](const Sweep& s) {
+            return py::array_t<std::uint32_t>(static_cast<py::ssize_t>(s.time_offsets_ns.size()),
+                                              s.time_offsets_ns.data());
+          },
+          "(n,) uint32, after start_ns.")
+      .def_property_readonly(
+          "open_beams", [](const Sweep& s) { return rows_of(s.open_beams); },
+          "(k, 3) float32 unit directions in which nothing returned.");
+  m.def(
+      "read_sweep",
+      [](const py::bytes& data, const CloudLayout& layout, base::StampNs stamp_ns) {
+        return cloud::read_sweep(view_of(data, layout, stamp_ns));
+      },
+      py::arg("data"), py::arg("layout"), py::arg("stamp_ns") = 0,
+      "Sweep of a cloud as drivers publish it.\n\ndata: bytes; layout: CloudLayout; stamp_ns: of its header.\n"
+      "Raises ValueError saying what is wrong with the layout. O(points).");
   bind_config<cloud::OpenBeamsConfig>(m, "OpenBeamsConfig", "Which beams count as having met nothing.");
   py::class_<cloud::OpenBeams>(m, "OpenBeams", "Finds the beams of organised scans that met nothing. Not thread-safe.")
       .def(py::init<const cloud::OpenBeamsConfig&>(), py::arg("config") = cloud::OpenBeamsConfig())
-      .def("find",
-           [](cloud::OpenBeams& self, const py::bytes& data, const CloudLayout& layout) {
-             return rows_of(self.find(view_of(data, layout, 0)));
-           },
-           py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
+      .def(
+          "find",
+          [](cloud::OpenBeams& self, const py::bytes& data, const CloudLayout& layout) {
+            return rows_of(self.find(view_of(data, layout, 0)));
+          },
+          py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
 }
 
 void bind_layout(py::module_& m) {
@@ -168,12 +173,13 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "sweep_start_s", [](const FilterResult& r) { return base::to_seconds(r.sweep_start_ns); },
           "Start of the sweep after the cloud's stamp [s]; negative when the stamp is its end.")
-      .def("sweep",
-           [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams) {
-             return cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
-           },
-           py::arg("stamp_ns"), py::arg("open_beams") = py::none(),
-           "Sweep of a cloud with this stamp; open_beams: (k, 3) float32 from OpenBeams.find().")
+      .def(
+          "sweep",
+          [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams) {
+            return cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
+          },
+          py::arg("stamp_ns"), py::arg("open_beams") = py::none(),
+          "Sweep of a cloud with this stamp; open_beams: (k, 3) float32 from OpenBeams.find().")
       .def_readonly("num_bad_times", &FilterResult::num_bad_times)
       .def_readonly("is_ghost_filter_suspended", &FilterResult::is_ghost_filter_suspended,
                     "True when no return had any intensity, so that none was dropped for it.");
@@ -196,7 +202,8 @@ void bind_cloud(py::module_& m) {
       .def("apply_raw", &apply_raw, py::arg("data"), py::arg("layout"), py::arg("stamp_s") = 0.0,
            py::arg("stamp_ns") = py::none(),
            "Filter a cloud as drivers publish it, read in place.\n\n"
-           "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times, or stamp_ns,\n"
+           "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times, or "
+           "stamp_ns,\n"
            "the same to the last nanosecond.\n"
            "Raises ValueError saying what is wrong with the layout.");
 }

@@ -94,26 +94,31 @@ py::array_t<double> pose_from_quaternion(const py::object& position, const std::
 
 void bind_poses(py::module_& m) {
   using geometry::Pose;
-  m.def("yaw_of", [](const py::array& T) { return geometry::yaw_of(pose_of(T, "T_A_B")); }, py::arg("T_A_B"),
-        "Heading of a (4, 4) float64 pose [rad].");
+  m.def(
+      "yaw_of", [](const py::array& T) { return geometry::yaw_of(pose_of(T, "T_A_B")); }, py::arg("T_A_B"),
+      "Heading of a (4, 4) float64 pose [rad].");
   m.def("wrap_angle", &geometry::wrap_angle, py::arg("angle_rad"), "The same angle in [-pi, pi).");
-  m.def("gravity_aligned", [](const py::array& T) { return pose_array(geometry::gravity_aligned(pose_of(T, "T_A_B"))); },
-        py::arg("T_A_B"), "(4, 4) with the position and heading of a pose, roll and pitch 0.");
-  m.def("pose_from_yaw",
-        [](const py::object& position, double yaw_rad) {
-          return pose_array(geometry::from_position_yaw(vec3_of(position, "position"), yaw_rad));
-        },
-        py::arg("position"), py::arg("yaw_rad"), "(4, 4) gravity-aligned pose at a position (3,) [m].");
-  m.def("interpolate_pose",
-        [](const py::array& a, const py::array& b, double ratio) {
-          return pose_array(geometry::interpolate(pose_of(a, "a"), pose_of(b, "b"), ratio));
-        },
-        py::arg("a"), py::arg("b"), py::arg("ratio"),
-        "(4, 4): linear in position, slerp in rotation; ratio 0 gives a, 1 gives b.");
+  m.def(
+      "gravity_aligned", [](const py::array& T) { return pose_array(geometry::gravity_aligned(pose_of(T, "T_A_B"))); },
+      py::arg("T_A_B"), "(4, 4) with the position and heading of a pose, roll and pitch 0.");
+  m.def(
+      "pose_from_yaw",
+      [](const py::object& position, double yaw_rad) {
+        return pose_array(geometry::from_position_yaw(vec3_of(position, "position"), yaw_rad));
+      },
+      py::arg("position"), py::arg("yaw_rad"), "(4, 4) gravity-aligned pose at a position (3,) [m].");
+  m.def(
+      "interpolate_pose",
+      [](const py::array& a, const py::array& b, double ratio) {
+        return pose_array(geometry::interpolate(pose_of(a, "a"), pose_of(b, "b"), ratio));
+      },
+      py::arg("a"), py::arg("b"), py::arg("ratio"),
+      "(4, 4): linear in position, slerp in rotation; ratio 0 gives a, 1 gives b.");
   m.def("pose_from_quaternion", &pose_from_quaternion, py::arg("position"), py::arg("q_xyzw"),
         "(4, 4) of a position (3,) and a quaternion (4,), as the nodes read them from messages. Raises ValueError.");
-  m.def("as_sent", [](const py::array& T) { return pose_array(geometry::as_sent(pose_of(T, "T_A_B"))); },
-        py::arg("T_A_B"), "(4, 4): a pose as it arrives when it is sent as position and quaternion.");
+  m.def(
+      "as_sent", [](const py::array& T) { return pose_array(geometry::as_sent(pose_of(T, "T_A_B"))); },
+      py::arg("T_A_B"), "(4, 4): a pose as it arrives when it is sent as position and quaternion.");
   m.def("quaternion_of", &quaternion_of, py::arg("T_A_B"),
         "(x, y, z, w) of a (4, 4) pose, as the nodes write it to messages.");
 }

@@ -146,7 +146,8 @@ void bind_odometry(py::module_& m) {
            py::arg("config") = odometry::LidarOdometryConfig(), py::arg("T_B_L") = py::none(),
            "T_B_L: (4, 4) float64, LiDAR in the body; identity when not given, poses are then those of the LiDAR.")
       .def("add_imu", &add_imu, py::arg("stamps"), py::arg("gyro"), py::arg("accel"),
-           "stamps (n,) float64 [s], or int64 [ns]; gyro (n, 3) float64 [rad/s]; accel (n, 3) float64 [m/s^2], +9.81 up at rest;\n"
+           "stamps (n,) float64 [s], or int64 [ns]; gyro (n, 3) float64 [rad/s]; accel (n, 3) float64 [m/s^2], +9.81 "
+           "up at rest;\n"
            "axes of B. Samples that are not finite or not newer are counted and dropped.")
       .def("add_cloud", &add_cloud, py::arg("stamp"), py::arg("points_L"), py::arg("point_times") = py::none(),
            "Register one scan.\n\n"

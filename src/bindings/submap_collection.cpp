@@ -225,8 +225,9 @@ void bind_submap_collection(py::module_& m) {
            py::arg("bend") = py::none(),
            "stamp: seconds; later ones are newer evidence, equal ones by id. An id that is there is replaced.\n\n"
            "bend: (2, 4, 4), see submap_bends(); None leaves it rigid.")
-      .def("add_finished", [](SubmapCollection& c, const SubmapEntry& entry) { c.add(entry); }, py::arg("finished"),
-           "The same with a FinishedSubmap of a SubmapAssembler, placed at its T_O_S until set_poses().")
+      .def(
+          "add_finished", [](SubmapCollection& c, const SubmapEntry& entry) { c.add(entry); }, py::arg("finished"),
+          "The same with a FinishedSubmap of a SubmapAssembler, placed at its T_O_S until set_poses().")
       .def("set_poses", &set_poses, py::arg("poses"), py::arg("bends") = py::dict(),
            "{id: T_W_S} and {id: (2, 4, 4)}, those without are rigid; raises KeyError on an unknown id.")
       .def("bends", &bends, "{id: (2, 4, 4)}, oldest first.")

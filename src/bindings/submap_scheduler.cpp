@@ -23,7 +23,8 @@ Handover as_sent(const Handover& handover) {
 
 void bind_handover(py::module_& m) {
   py::class_<Handover>(m, "Handover", "What the local map hands to the global map when a submap closes.")
-      .def("as_sent", &as_sent, "The same with its poses as they arrive at the submap integrator; see voxnav.as_sent().")
+      .def("as_sent", &as_sent,
+           "The same with its poses as they arrive at the submap integrator; see voxnav.as_sent().")
       .def_readonly("submap_id", &Handover::submap_id)
       .def_readonly("is_final", &Handover::is_final, "False: early content of a submap that is still open.")
       .def_readonly("reason", &Handover::reason)

@@ -81,8 +81,8 @@ sensor_msgs::PointCloud2Ptr to_msg(const std::vector<Point>& points, const std::
   const std::size_t num_rows = points.size() + open_beams.size();
   auto msg = empty_cloud_msg(num_rows, sizeof(PointOrBeam), header);
   for (const char* name : {"beam_x", "beam_y", "beam_z"}) {
-    msg->fields.push_back(field(name, sizeof(Point) + (msg->fields.size() - 5) * sizeof(float),
-                                sensor_msgs::PointField::FLOAT32));
+    msg->fields.push_back(
+        field(name, sizeof(Point) + (msg->fields.size() - 5) * sizeof(float), sensor_msgs::PointField::FLOAT32));
   }
   msg->is_dense = open_beams.empty();
   msg->data.resize(num_rows * sizeof(PointOrBeam));

@@ -19,16 +19,16 @@ enum class State : std::uint8_t { kInitializing = 0, kTracking = 1, kCoasting = 
 constexpr auto words_of(State) { return std::array{"initializing", "tracking", "coasting"}; }
 /// Why the state is what it is.
 enum class Reason : std::uint8_t {
-  kNone,            ///< it tracks in all directions
-  kFirstScan,       ///< the map begins with this scan
-  kTooFewPoints,    ///< to begin a map with
-  kDegenerate,      ///< it tracks, and some directions follow the prediction
-  kFewMatches,      ///< all from here on: the registration is not trusted
+  kNone,          ///< it tracks in all directions
+  kFirstScan,     ///< the map begins with this scan
+  kTooFewPoints,  ///< to begin a map with
+  kDegenerate,    ///< it tracks, and some directions follow the prediction
+  kFewMatches,    ///< all from here on: the registration is not trusted
   kFewInliers,
   kNotConverged,
   kMovedTooFar,
   kTurnedTooFar,
-  kOldStamp,        ///< the cloud was refused
+  kOldStamp,  ///< the cloud was refused
 };
 constexpr auto words_of(Reason) {
   return std::array{"none",        "first_scan",    "too_few_points", "degenerate",     "few_matches",

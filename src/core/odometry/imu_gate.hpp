@@ -15,7 +15,7 @@ class ImuGate {
   static constexpr std::size_t kMaxWaiting = 3;
 
   struct Limits {
-    bool uses_imu = true;       ///< false: nothing ever waits
+    bool uses_imu = true;        ///< false: nothing ever waits
     double imu_timeout_s = 0.5;  ///< an IMU that is silent for so long, or runs on another clock, is not waited for
     double max_wait_s = 0.03;    ///< a sweep waits no longer than this
   };

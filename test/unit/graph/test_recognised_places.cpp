@@ -2,6 +2,7 @@
 // Submaps that come back to where they began after a way on which nothing corrected the drift.
 #include <gtest/gtest.h>
 
+#include "graph/pose4.hpp"
 #include "grid_field.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 

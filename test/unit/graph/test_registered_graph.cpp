@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "graph/pose4.hpp"
 #include "grid_field.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <random>
 
+#include "graph/pose4.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 
 using namespace voxnav;         // NOLINT: test

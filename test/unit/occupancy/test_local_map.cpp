@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 
+#include "occupancy/log_odds.hpp"
 #include "other_version.hpp"
 #include "scan_maker.hpp"
 #include "voxnav/occupancy/local_map.hpp"
