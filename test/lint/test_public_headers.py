@@ -22,6 +22,8 @@ STILL_LOOKING = {
     ("src/bindings/planning_manager.cpp", "pipeline/plan_job.hpp"),
     ("src/bindings/planning_manager.cpp", "pipeline/safe_part.hpp"),
     ("src/bindings/submap.cpp", "submap/registration/own_surface.hpp"),
+    ("src/ros/lidar_odometry_nodelet.hpp", "odometry/imu_gate.hpp"),
+    ("src/ros/local_mapper_nodelet.hpp", "pipeline/pose_locator.hpp"),
     ("src/ros/map_tiles.hpp", "submap/merged/evidence_map.hpp"),
     ("src/ros/submap_integrator_map.hpp", "submap/obstacles/obstacle_map.hpp"),
 }

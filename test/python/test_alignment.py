@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
+from voxnav import pose_from_yaw
 from voxnav.alignment.flight import drift_of, fly, kept_flight
 from voxnav.alignment.measure import errors_of, solve
 from voxnav.alignment.scenarios import SCENARIOS, path_of
-from voxnav.optimizer_session import aligned_pose
 
 SHORT = SCENARIOS["corridor"]._replace(corners=np.array([(0.0, 0.0), (20.0, 0.0), (0.0, 0.0)]), scan_hz=2.0)
 
 
 def poses(xyz):
-    return np.array([aligned_pose(p, 0.0) for p in xyz])
+    return np.array([pose_from_yaw(p, 0.0) for p in xyz])
 
 
 def test_errors_are_those_of_an_aligned_trajectory():
     true = poses(np.random.RandomState(3).uniform(-20, 20, (50, 3)))
-    moved = aligned_pose((5.0, -3.0, 1.0), 0.7) @ true
+    moved = pose_from_yaw((5.0, -3.0, 1.0), 0.7) @ true
     assert errors_of(moved, true).rmse_m < 1e-9 and errors_of(moved, true).closure_m < 1e-9
     bent = true.copy()
     bent[::2, 2, 3] += 0.4  # half of the poses 0.4 m too high: 0.2 m either way

@@ -18,9 +18,9 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
+from voxnav import pose_from_yaw
 from voxnav.msg import LoopClosure, NodeDiagnostics, OptimizerReport, Progress, Submap, SubmapPoses
 from voxnav.nodes.poses import pose_from_msg, pose_to_msg
-from voxnav.optimizer_session import aligned_pose
 from voxnav.srv import GetSubmaps, GetSubmapsResponse
 
 NODE = "/uav1/submap_optimizer/"
@@ -29,11 +29,11 @@ PERIOD_S, COUNT = 10.0, 8
 
 def body_at(t):
     angle = 2.0 * np.pi * t / (PERIOD_S * COUNT)
-    return aligned_pose([20.0 * np.sin(angle), 20.0 * (1.0 - np.cos(angle)), 5.0], angle)
+    return pose_from_yaw([20.0 * np.sin(angle), 20.0 * (1.0 - np.cos(angle)), 5.0], angle)
 
 
 def odometry_at(t):
-    return aligned_pose([0.02 * t, 0.01 * t, 0.0], 0.0003 * t) @ body_at(t)
+    return pose_from_yaw([0.02 * t, 0.01 * t, 0.0], 0.0003 * t) @ body_at(t)
 
 
 def submap(k):

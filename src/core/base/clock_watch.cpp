@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/base/clock_watch.hpp"
+#include "base/clock_watch.hpp"
 
 namespace voxnav::base {
 

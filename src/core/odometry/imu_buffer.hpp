@@ -4,7 +4,7 @@
 #include <deque>
 #include <optional>
 
-#include "voxnav/base/clock_watch.hpp"
+#include "base/clock_watch.hpp"
 #include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::odometry {

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/clock_watch.hpp"
 #include "odometry/imu_gate.hpp"
 #include "pipeline/pose_locator.hpp"
-#include "voxnav/base/clock_watch.hpp"
 #include "voxnav/geometry/rigid_pose.hpp"
 
 namespace voxnav::pipeline {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/base/clock_watch.hpp"
+#include "base/clock_watch.hpp"
 
 namespace {
 

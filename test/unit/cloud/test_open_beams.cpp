@@ -36,7 +36,7 @@ RawCloud scan(const std::function<double(int, int)>& range, double turn = -1.0) 
   return out;
 }
 
-const OpenBeamsConfig kEvery{1, 2, 1, 1};  // margins of one row and two columns, every beam
+const OpenBeamsConfig kEvery{true, 1, 2, 1, 1};  // margins of one row and two columns, every beam
 
 std::vector<Vec3f> learnt(OpenBeams* beams, const RawCloud& cloud) {
   for (int i = 0; i < 7; ++i) beams->find(cloud.view());
