@@ -61,7 +61,7 @@ def imu_message(stamp):
 
 
 def write_bag(path, scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S):
-    """A bag with the scans on /points, their mount on /tf_static, and odometry at 50 Hz on /odom or IMU at 200 Hz on /imu.
+    """A bag with the scans on /points, their mount on /tf_static, odometry at 50 Hz on /odom, IMU at 200 Hz on /imu.
 
     first_stamp_s: of the first scan, which shows the flight at FIRST_STAMP_S.
     """

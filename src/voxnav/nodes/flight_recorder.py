@@ -209,9 +209,8 @@ class FlightRecorder:
         revision = rospy.wait_for_message("submap_optimizer/submap_poses", SubmapPoses, timeout_s).revision
 
         def has_taken():
-            with self._lock:
-                said = self._nodes.get("submap_integrator")
-                return said and dict(zip(said.counter_names, said.counter_values)).get("graph_revision", 0) >= revision
+            said = self._nodes.get("submap_integrator")
+            return said and dict(zip(said.counter_names, said.counter_values)).get("graph_revision", 0) >= revision
         self.wait_until(has_taken, timeout_s, "the map to take the poses of the last solve")
 
     def save_map(self, directory):

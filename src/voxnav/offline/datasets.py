@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recordings as one stream: folders of raw scans, and rosbags.
 
-A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in order of their stamps, and knows
-``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the recording but could be passed over.
+A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in the order in which they were recorded, and knows
+``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the recording
+but could be passed over.
 """
 
 import collections
@@ -12,7 +13,7 @@ import numpy as np
 
 from voxnav import files
 
-# stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the scan is organised;
+# stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) of an organised scan;
 # raw: message with its field layout instead of points; T_O_L: (4, 4), one pose for the whole scan, or None.
 Scan = collections.namedtuple("Scan", "stamp_ns points raw T_O_L")
 Imu = collections.namedtuple("Imu", "stamp_ns gyro accel")

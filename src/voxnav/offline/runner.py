@@ -45,7 +45,7 @@ class OfflineMapper:
     """One mapping run. ``configs``: dict of configuration objects by section, see ``voxnav.offline.configs``.
 
     Frames: O is the origin of the poses that come in, B the body; submaps are posed in W, which is O corrected.
-    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording brings poses; LiDAR odometry finds them otherwise.
+    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording brings poses; else LiDAR odometry finds them.
     """
 
     def __init__(self, configs, T_B_L, has_poses):
