@@ -16,8 +16,8 @@ FORBIDDEN = {("graph", "submap"), ("submap", "graph"), ("planning", "occupancy")
              ("planning", "graph"), ("planning", "odometry"), ("odometry", "submap"), ("odometry", "graph"),
              ("submap", "odometry"), ("graph", "odometry"), ("graph", "occupancy"), ("odometry", "occupancy")}
 # Only the floor kernels knows of vectors and instruction sets.
-VECTOR_CODE = re.compile(r'(\b_mm\d*_\w+|__m(?:128|256|512)\w*|vector_size|__builtin_shuffle\w*|immintrin|arm_neon|\bVOXNAV_WIDE\b'
-                         r'|target\(")')
+VECTOR_CODE = re.compile(r'(\b_mm\d*_\w+|__m(?:128|256|512)\w*|vector_size|__builtin_shuffle\w*|immintrin|arm_neon'
+                         r'|\bVOXNAV_WIDE\b|target\(")')
 ROS_HEADER = re.compile(r'#include\s+[<"](ros|nodelet|tf2|tf2_ros|pluginlib|rosbag|\w+_msgs|voxnav_ros)/')
 OWN_HEADER = re.compile(r'#include\s+"(?:voxnav/)?(%s)/' % "|".join(FLOORS))
 
