@@ -16,7 +16,7 @@ using voxnav::geometry::Vec3;
 using voxnav::geometry::Vec3f;
 
 /// Triangles with a class each.
-struct Mesh {
+struct WorldMesh {
   std::vector<Vec3f> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<SurfaceClass> classes;  ///< one per triangle
@@ -34,19 +34,19 @@ struct Rod {
 };
 
 /// A prism with `num_sides` sides of the rod's mean radius (equal cross-section area), closed at both ends.
-void append_rod(Mesh* mesh, const Rod& rod, int num_sides, SurfaceClass surface_class);
+void append_rod(WorldMesh* mesh, const Rod& rod, int num_sides, SurfaceClass surface_class);
 
 /// A box of the given edge lengths centred at T_W_box.
-void append_box(Mesh* mesh, const Pose& T_W_box, const Vec3& size_m, SurfaceClass surface_class);
+void append_box(WorldMesh* mesh, const Pose& T_W_box, const Vec3& size_m, SurfaceClass surface_class);
 
 /// A single triangle with corners at center + a, center + b, center - a - b: one leaf, or one card of leaves.
-void append_leaf(Mesh* mesh, const Vec3& center, const Vec3& a, const Vec3& b);
+void append_leaf(WorldMesh* mesh, const Vec3& center, const Vec3& a, const Vec3& b);
 
 /// An ellipsoid of 80 triangles; corner i is moved out by factor `bulge[i]` (42 values), which makes it a rock.
-void append_rock(Mesh* mesh, const Vec3& center, const Vec3& radii_m, const std::array<double, 42>& bulge);
+void append_rock(WorldMesh* mesh, const Vec3& center, const Vec3& radii_m, const std::array<double, 42>& bulge);
 
 /// Adds all of `part`, moved by T_W_part.
-void append_mesh(Mesh* mesh, const Mesh& part, const Pose& T_W_part);
+void append_mesh(WorldMesh* mesh, const WorldMesh& part, const Pose& T_W_part);
 
 /// Shortest distance from a point to a triangle.
 /// Source: Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
@@ -54,6 +54,6 @@ double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const V
 
 /// Binary PLY: vertices, faces with class and colour, one `comment` line per entry.
 /// @throws std::runtime_error when the file cannot be written
-void save_ply(const Mesh& mesh, const std::vector<std::string>& comments, const std::string& path);
+void save_ply(const WorldMesh& mesh, const std::vector<std::string>& comments, const std::string& path);
 
 }  // namespace voxnav_simulation

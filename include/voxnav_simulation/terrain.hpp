@@ -17,7 +17,7 @@ class Terrain {
 
   /// Height of the mesh itself at (x, y), or nothing outside of the grid.
   std::optional<double> height(double x, double y) const;
-  void append_to(Mesh* mesh) const;
+  void append_to(WorldMesh* mesh) const;
 
  private:
   double vertex_height(int ix, int iy) const { return heights_[static_cast<std::size_t>(iy) * num_x_ + ix]; }

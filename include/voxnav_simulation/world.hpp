@@ -39,9 +39,9 @@ class World {
   const WorldConfig& config() const { return config_; }
   std::uint64_t seed() const { return seed_; }
   /// The triangles of everything that never moves.
-  const Mesh& mesh() const { return mesh_; }
+  const WorldMesh& mesh() const { return mesh_; }
   /// The vehicle around its own origin (on the ground, below its middle, x forward); empty when there is none.
-  const Mesh& vehicle_mesh() const { return vehicle_mesh_; }
+  const WorldMesh& vehicle_mesh() const { return vehicle_mesh_; }
   const std::vector<Stem>& stems() const { return stems_; }
   const WorldCounts& counts() const { return counts_; }
   std::optional<double> ground_height(double x, double y) const { return terrain_.height(x, y); }
@@ -52,8 +52,8 @@ class World {
   WorldConfig config_;
   std::uint64_t seed_;
   Terrain terrain_;
-  Mesh mesh_;
-  Mesh vehicle_mesh_;
+  WorldMesh mesh_;
+  WorldMesh vehicle_mesh_;
   std::vector<Stem> stems_;
   WorldCounts counts_;
 };

@@ -72,7 +72,7 @@ py::tuple cast(const Scene& scene, const py::array& origins, const py::array& di
 }
 
 py::dict mesh_arrays(const Scene& scene) {
-  Mesh mesh = scene.world().mesh();
+  WorldMesh mesh = scene.world().mesh();
   if (const auto pose = scene.vehicle_pose()) append_mesh(&mesh, scene.world().vehicle_mesh(), *pose);
   std::vector<float> vertices;
   for (const Vec3f& v : mesh.vertices) vertices.insert(vertices.end(), {v.x(), v.y(), v.z()});

@@ -10,13 +10,13 @@ namespace {
 
 using visualization_msgs::Marker;
 using voxnav_simulation::kNumSurfaceClasses;
-using voxnav_simulation::Mesh;
 using voxnav_simulation::SurfaceClass;
+using voxnav_simulation::WorldMesh;
 
 /// For each class the n of which every n-th triangle is shown; 0 hides the class.
 using Strides = std::array<std::size_t, kNumSurfaceClasses>;
 
-Strides strides_for(const Mesh& mesh, std::size_t max_triangles) {
+Strides strides_for(const WorldMesh& mesh, std::size_t max_triangles) {
   const auto leaves =
       static_cast<std::size_t>(std::count(mesh.classes.begin(), mesh.classes.end(), SurfaceClass::kFoliage));
   const std::size_t solid = mesh.classes.size() - leaves;
@@ -45,7 +45,7 @@ Marker empty_marker(const std::string& frame_id, const std::string& ns, SurfaceC
   return marker;
 }
 
-void append_triangle(const Mesh& mesh, std::size_t triangle, Marker* marker) {
+void append_triangle(const WorldMesh& mesh, std::size_t triangle, Marker* marker) {
   for (const std::uint32_t corner : mesh.triangles[triangle]) {
     marker->points.push_back(to_msg(voxnav::geometry::Vec3(mesh.vertices[corner].cast<double>())));
   }
@@ -55,7 +55,7 @@ void append_triangle(const Mesh& mesh, std::size_t triangle, Marker* marker) {
 
 visualization_msgs::MarkerArray world_markers(const voxnav_simulation::Scene& scene, const std::string& frame_id,
                                               std::size_t max_triangles) {
-  const Mesh& mesh = scene.world().mesh();
+  const WorldMesh& mesh = scene.world().mesh();
   const Strides strides = strides_for(mesh, max_triangles);
   visualization_msgs::MarkerArray out;
   for (int i = 0; i < kNumSurfaceClasses; ++i) {
@@ -71,7 +71,7 @@ visualization_msgs::MarkerArray world_markers(const voxnav_simulation::Scene& sc
   if (const auto T_W_vehicle = scene.vehicle_pose()) {
     Marker vehicle = empty_marker(frame_id, "vehicle", SurfaceClass::kVehicle);
     vehicle.pose = to_msg(*T_W_vehicle);
-    const Mesh& shape = scene.world().vehicle_mesh();
+    const WorldMesh& shape = scene.world().vehicle_mesh();
     for (std::size_t t = 0; t < shape.triangles.size(); ++t) append_triangle(shape, t, &vehicle);
     out.markers.push_back(std::move(vehicle));
   }

@@ -12,7 +12,7 @@ constexpr double kBuildingGapM = 3.0;
 constexpr double kFoundationM = 2.0;  // walls reach this far below the floor, so that no gap shows on slopes
 
 /// A box whose floor is `kFoundationM` below and whose top is `height_m` above the origin of T_W_building.
-void append_block(Mesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
+void append_block(WorldMesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
   Pose T_building_box = Pose::Identity();
   T_building_box.translation().z() = 0.5 * (size_m.z() - kFoundationM);
   const Vec3 edges(size_m.x(), size_m.y(), size_m.z() + kFoundationM);
@@ -20,7 +20,7 @@ void append_block(Mesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
 }
 
 /// Two slopes and two gables on top of a block; the ridge runs along x.
-void append_roof(Mesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
+void append_roof(WorldMesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
   const double x = 0.5 * size_m.x() + 0.3, y = 0.5 * size_m.y() + 0.3, low = size_m.z(), high = low + 0.5 * y * 2.0;
   const std::array<Vec3, 6> corners{Vec3(-x, -y, low), Vec3(x, -y, low),  Vec3(x, y, low),
                                     Vec3(-x, y, low),  Vec3(-x, 0, high), Vec3(x, 0, high)};

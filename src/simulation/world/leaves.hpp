@@ -14,7 +14,7 @@ inline Vec3 random_direction(Rng* rng) {
 }
 
 /// Adds an equilateral leaf of the given edge length, turned any way.
-inline void append_random_leaf(const Vec3& center, double edge_m, Rng* rng, Mesh* mesh) {
+inline void append_random_leaf(const Vec3& center, double edge_m, Rng* rng, WorldMesh* mesh) {
   const Vec3 normal = random_direction(rng);
   const Vec3 u = normal.cross(random_direction(rng)).normalized();
   if (!u.allFinite()) return;

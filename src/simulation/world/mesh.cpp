@@ -14,7 +14,7 @@ std::pair<Vec3, Vec3> perpendiculars(const Vec3& axis) {
   return {u, axis.cross(u)};
 }
 
-std::uint32_t append_ring(Mesh* mesh, const Vec3& center, const Vec3& axis, double radius_m, int num_sides) {
+std::uint32_t append_ring(WorldMesh* mesh, const Vec3& center, const Vec3& axis, double radius_m, int num_sides) {
   const auto [u, v] = perpendiculars(axis);
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
   for (int i = 0; i < num_sides; ++i) {
@@ -26,17 +26,17 @@ std::uint32_t append_ring(Mesh* mesh, const Vec3& center, const Vec3& axis, doub
 
 }  // namespace
 
-std::uint32_t Mesh::add_vertex(const Vec3& p) {
+std::uint32_t WorldMesh::add_vertex(const Vec3& p) {
   vertices.push_back(p.cast<float>());
   return static_cast<std::uint32_t>(vertices.size() - 1);
 }
 
-void Mesh::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, SurfaceClass surface_class) {
+void WorldMesh::add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, SurfaceClass surface_class) {
   triangles.push_back({a, b, c});
   classes.push_back(surface_class);
 }
 
-void append_rod(Mesh* mesh, const Rod& rod, int num_sides, SurfaceClass surface_class) {
+void append_rod(WorldMesh* mesh, const Rod& rod, int num_sides, SurfaceClass surface_class) {
   const Vec3 axis = (rod.b - rod.a).normalized();
   const double step = 2.0 * M_PI / num_sides;
   const double to_corner = std::sqrt(step / std::sin(step));
@@ -54,7 +54,7 @@ void append_rod(Mesh* mesh, const Rod& rod, int num_sides, SurfaceClass surface_
   }
 }
 
-void append_box(Mesh* mesh, const Pose& T_W_box, const Vec3& size_m, SurfaceClass surface_class) {
+void append_box(WorldMesh* mesh, const Pose& T_W_box, const Vec3& size_m, SurfaceClass surface_class) {
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner((i & 1) - 0.5, ((i >> 1) & 1) - 0.5, ((i >> 2) & 1) - 0.5);
@@ -68,14 +68,14 @@ void append_box(Mesh* mesh, const Pose& T_W_box, const Vec3& size_m, SurfaceClas
   }
 }
 
-void append_leaf(Mesh* mesh, const Vec3& center, const Vec3& a, const Vec3& b) {
+void append_leaf(WorldMesh* mesh, const Vec3& center, const Vec3& a, const Vec3& b) {
   const std::uint32_t first = mesh->add_vertex(center + a);
   mesh->add_vertex(center + b);
   mesh->add_vertex(center - a - b);
   mesh->add_triangle(first, first + 1, first + 2, SurfaceClass::kFoliage);
 }
 
-void append_mesh(Mesh* mesh, const Mesh& part, const Pose& T_W_part) {
+void append_mesh(WorldMesh* mesh, const WorldMesh& part, const Pose& T_W_part) {
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
   for (const Vec3f& vertex : part.vertices) mesh->add_vertex(T_W_part * vertex.cast<double>());
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {

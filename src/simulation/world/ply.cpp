@@ -5,7 +5,7 @@
 
 namespace voxnav_simulation {
 
-void save_ply(const Mesh& mesh, const std::vector<std::string>& comments, const std::string& path) {
+void save_ply(const WorldMesh& mesh, const std::vector<std::string>& comments, const std::string& path) {
   voxnav::base::PlyWriter out;
   for (const std::string& comment : comments) out.comment(comment);
   for (int i = 0; i < kNumSurfaceClasses; ++i) {

@@ -55,7 +55,7 @@ Sphere subdivided(const Sphere& in) {
 
 }  // namespace
 
-void append_rock(Mesh* mesh, const Vec3& center, const Vec3& radii_m, const std::array<double, 42>& bulge) {
+void append_rock(WorldMesh* mesh, const Vec3& center, const Vec3& radii_m, const std::array<double, 42>& bulge) {
   static const Sphere kSphere = subdivided(icosahedron());
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
   for (std::size_t i = 0; i < bulge.size(); ++i) {

@@ -20,7 +20,7 @@ void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std
   return buffer;
 }
 
-RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh, const Pose& T_W_mesh) {
+RTCGeometry make_geometry(RTCDevice device, const WorldMesh& mesh, const Pose& T_W_mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(
       new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
@@ -46,7 +46,7 @@ Scene::Device::Device() : handle(rtcNewDevice("threads=1,set_affinity=0")) {
 
 Scene::Device::~Device() { rtcReleaseDevice(handle); }
 
-Scene::Part::Part(std::shared_ptr<Device> device_in, const Mesh& mesh_in, const Pose& T_W_mesh)
+Scene::Part::Part(std::shared_ptr<Device> device_in, const WorldMesh& mesh_in, const Pose& T_W_mesh)
     : device(std::move(device_in)), mesh(&mesh_in), T_W_part(T_W_mesh), scene(rtcNewScene(device->handle)) {
   // The robust mode lets no beam slip through between two terrain triangles.
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);

@@ -22,7 +22,7 @@ struct Scene::Device {
 
 /// One mesh with its search tree, which never changes after construction. `mesh` must outlive it.
 struct Scene::Part {
-  Part(std::shared_ptr<Device> device, const Mesh& mesh, const Pose& T_W_part);
+  Part(std::shared_ptr<Device> device, const WorldMesh& mesh, const Pose& T_W_part);
   ~Part();
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
@@ -33,7 +33,7 @@ struct Scene::Part {
   std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
 
   std::shared_ptr<Device> device;
-  const Mesh* mesh;
+  const WorldMesh* mesh;
   Pose T_W_part;
   RTCScene scene;
   RTCGeometry geometry;

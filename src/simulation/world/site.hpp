@@ -15,7 +15,7 @@ struct Site {
   std::uint64_t seed;
   const Terrain& terrain;
   GroundPlan ground_plan;
-  Mesh* mesh;
+  WorldMesh* mesh;
   std::vector<Stem>* stems;
 
   double hectares() const { return config.size_m[0] * config.size_m[1] * 1e-4; }
@@ -30,7 +30,7 @@ int place_rocks(Site* site);
 int build_walls(Site* site);
 int build_houses(Site* site);
 /// A fire truck around its own origin: on the ground below its middle, x forward.
-Mesh make_fire_truck();
+WorldMesh make_fire_truck();
 /// Footprint of the fire truck, as a disc.
 inline constexpr double kVehicleRadiusM = 4.6;
 

@@ -73,7 +73,7 @@ std::optional<double> Terrain::height(double x, double y) const {
   return h00 + v * (h01 - h00) + u * (h11 - h01);
 }
 
-void Terrain::append_to(Mesh* mesh) const {
+void Terrain::append_to(WorldMesh* mesh) const {
   const auto first = static_cast<std::uint32_t>(mesh->vertices.size());
   for (int iy = 0; iy < num_y_; ++iy) {
     for (int ix = 0; ix < num_x_; ++ix) {

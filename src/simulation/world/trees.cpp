@@ -51,14 +51,14 @@ Tree make_tree(const WorldConfig& config, const Vec3& ground, Rng* rng) {
   return tree;
 }
 
-void append_trunk(const Tree& tree, Mesh* mesh) {
+void append_trunk(const Tree& tree, WorldMesh* mesh) {
   Rod rod = tree.trunk;
   rod.a -= kRootDepthM * tree.axis();
   rod.radius_a_m = tree.radius_at(-kRootDepthM);
   append_rod(mesh, rod, kTrunkSides, SurfaceClass::kTrunk);
 }
 
-void append_branch(const Tree& tree, double along_m, double length_m, Rng* rng, Mesh* mesh) {
+void append_branch(const Tree& tree, double along_m, double length_m, Rng* rng, WorldMesh* mesh) {
   const double rise = rng->uniform(-0.1, 0.5);
   const Vec3 direction = (horizontal(rng->uniform(0.0, 2.0 * M_PI)) + rise * Vec3::UnitZ()).normalized();
   const Vec3 root = tree.trunk.a + along_m * tree.axis();
@@ -66,7 +66,7 @@ void append_branch(const Tree& tree, double along_m, double length_m, Rng* rng, 
   append_rod(mesh, {root, root + length_m * direction, radius, 0.4 * radius}, kBranchSides, SurfaceClass::kBranch);
 }
 
-void append_branches(const WorldConfig& config, const Tree& tree, Rng* rng, Mesh* mesh) {
+void append_branches(const WorldConfig& config, const Tree& tree, Rng* rng, WorldMesh* mesh) {
   for (int i = 0; i < config.branches_per_tree; ++i) {
     const double along = rng->uniform(tree.crown_base_m, 0.92 * tree.height_m);
     append_branch(tree, along, std::max(0.3, 0.9 * tree.crown_reach(along)), rng, mesh);
@@ -79,7 +79,7 @@ void append_branches(const WorldConfig& config, const Tree& tree, Rng* rng, Mesh
 }
 
 /// Leaves keep to the outer part of the crown, where the light is.
-void append_crown(const WorldConfig& config, const Tree& tree, Rng* rng, Mesh* mesh) {
+void append_crown(const WorldConfig& config, const Tree& tree, Rng* rng, WorldMesh* mesh) {
   const double low = tree.crown_base_m + config.leaf_size_m;
   for (int i = 0; i < config.leaves_per_tree; ++i) {
     // A cone holds most of its leaves near its base, where it is wide.

@@ -4,7 +4,7 @@
 namespace voxnav_simulation {
 namespace {
 
-void append_part(Mesh* mesh, const Vec3& center, const Vec3& size_m) {
+void append_part(WorldMesh* mesh, const Vec3& center, const Vec3& size_m) {
   Pose T_V_part = Pose::Identity();
   T_V_part.translation() = center;
   append_box(mesh, T_V_part, size_m, SurfaceClass::kVehicle);
@@ -12,8 +12,8 @@ void append_part(Mesh* mesh, const Vec3& center, const Vec3& size_m) {
 
 }  // namespace
 
-Mesh make_fire_truck() {
-  Mesh mesh;
+WorldMesh make_fire_truck() {
+  WorldMesh mesh;
   append_part(&mesh, {-1.1, 0.0, 1.85}, {5.6, 2.5, 2.3});   // body with pump and lockers
   append_part(&mesh, {2.9, 0.0, 1.70}, {2.1, 2.5, 2.0});    // cab
   append_part(&mesh, {4.05, 0.0, 0.75}, {0.3, 2.4, 0.4});   // bumper

@@ -42,7 +42,7 @@ void save_ply(const World& world, const std::optional<Pose>& T_W_vehicle, const 
   for (const auto& field : voxnav::base::describe(world.config())) {
     comments.push_back(field.name + " " + voxnav::base::to_string(field.value));
   }
-  Mesh mesh = world.mesh();
+  WorldMesh mesh = world.mesh();
   if (T_W_vehicle) append_mesh(&mesh, world.vehicle_mesh(), *T_W_vehicle);
   save_ply(mesh, comments, path);
 }

@@ -33,7 +33,7 @@ TEST(Scene, PlaneIsMetWhereGeometrySays) {
 
 TEST(Scene, RaysAgreeWithBruteForceInPacketsOfAnySize) {
   const Scene scene(World(small_world(), 6));
-  const Mesh mesh = all_of(scene);
+  const WorldMesh mesh = all_of(scene);
   Rng rng(2);
   std::vector<int> hits_of_class(kNumSurfaceClasses, 0);
   for (std::size_t size = 1; size <= 40; ++size) {
@@ -66,7 +66,7 @@ TEST(Scene, RaysAgreeWithBruteForceInPacketsOfAnySize) {
 
 TEST(Scene, ClearanceAgreesWithBruteForce) {
   const Scene scene(World(small_world(), 6));
-  const Mesh mesh = all_of(scene);
+  const WorldMesh mesh = all_of(scene);
   Rng rng(3);
   for (int i = 0; i < 150; ++i) {
     const Vec3 p(rng.uniform(-15, 15), rng.uniform(-15, 15), rng.uniform(-1, 15));

@@ -15,7 +15,7 @@ namespace {
 using voxnav::base::ConfigError;
 using voxnav::base::Value;
 
-bool same_mesh(const Mesh& a, const Mesh& b) {
+bool same_mesh(const WorldMesh& a, const WorldMesh& b) {
   return a.vertices == b.vertices && a.triangles == b.triangles && a.classes == b.classes;
 }
 

@@ -71,13 +71,13 @@ inline double slow_distance(const Vec3& p, const Vec3& a, const Vec3& b, const V
 }
 
 /// All triangles of a scene, the vehicle where it stands.
-inline Mesh all_of(const Scene& scene) {
-  Mesh mesh = scene.world().mesh();
+inline WorldMesh all_of(const Scene& scene) {
+  WorldMesh mesh = scene.world().mesh();
   if (const auto pose = scene.vehicle_pose()) append_mesh(&mesh, scene.world().vehicle_mesh(), *pose);
   return mesh;
 }
 
-inline Vec3 corner(const Mesh& mesh, std::size_t triangle, int i) {
+inline Vec3 corner(const WorldMesh& mesh, std::size_t triangle, int i) {
   return mesh.vertices[mesh.triangles[triangle][i]].cast<double>();
 }
 
