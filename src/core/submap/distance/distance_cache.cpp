@@ -10,10 +10,10 @@ namespace {
 constexpr std::size_t kDefaultLimit = 24u << 20;
 
 /// The blocks at hand of all fields, oldest first. Source: the clock algorithm, Corbato 1968.
-class Clock {
+class EvictionClock {
  public:
-  static Clock& instance() {
-    static Clock clock;
+  static EvictionClock& instance() {
+    static EvictionClock clock;
     return clock;
   }
 
@@ -79,12 +79,12 @@ std::shared_ptr<const DistanceBlock> DistanceCache::get(const CompressedField& f
   std::shared_ptr<const DistanceBlock> expected;
   // Another thread may have been faster with the same result.
   if (std::atomic_compare_exchange_strong(&(*slots_)[i], &expected, block) && is_counted)
-    Clock::instance().add(slots_, i);
+    EvictionClock::instance().add(slots_, i);
   return block;
 }
 
-void DistanceCache::set_limit_bytes(std::size_t bytes) { Clock::instance().set_limit(bytes); }
-std::size_t DistanceCache::limit_bytes() { return Clock::instance().limit(); }
-std::size_t DistanceCache::used_bytes() { return Clock::instance().used(); }
+void DistanceCache::set_limit_bytes(std::size_t bytes) { EvictionClock::instance().set_limit(bytes); }
+std::size_t DistanceCache::limit_bytes() { return EvictionClock::instance().limit(); }
+std::size_t DistanceCache::used_bytes() { return EvictionClock::instance().used(); }
 
 }  // namespace voxnav::submap
