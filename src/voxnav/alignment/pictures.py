@@ -60,7 +60,7 @@ def draw_places(path: str, maps: dict[str, tuple[Array, list[Array]]], world: An
 
     maps: dict of title -> ((n, 3) aligned points, list of (4, 2) corners of the places)."""
     figure, axes = pyplot().subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,
-                                      constrained_layout=True)
+                                     constrained_layout=True)
     everywhere = np.concatenate([corners for _, places in maps.values() for corners in places])
     low, high = everywhere.min(axis=0) - 6.0, everywhere.max(axis=0) + 6.0
     for ax, (title, (points, places)) in zip(axes, maps.items()):
