@@ -135,8 +135,8 @@ std::vector<odometry::ImuSample> imu_samples_of(const py::array& stamps, const p
 }
 
 void bind_odometry(py::module_& m) {
-  bind_words<odometry::State>(m, "OdometryState", "How a pose of LidarOdometry came about.");
-  bind_words<odometry::Reason>(m, "OdometryReason", "Why an odometry is in the state it is in.");
+  bind_words<odometry::OdometryState>(m, "OdometryState", "How a pose of LidarOdometry came about.");
+  bind_words<odometry::OdometryReason>(m, "OdometryReason", "Why an odometry is in the state it is in.");
   bind_results(m);
   bind_config<odometry::LidarOdometryConfig>(m, "LidarOdometryConfig", "Parameters of LidarOdometry.");
   py::class_<LidarOdometry>(m, "LidarOdometry", "LiDAR-inertial odometry against a bounded local map. Not thread-safe.")
@@ -156,7 +156,7 @@ void bind_odometry(py::module_& m) {
       .def(
           "reset", [](LidarOdometry& self) { self.reset(); }, "Forget map, motion and IMU; start at the identity.")
       .def_property_readonly("counters", &counters_of)
-      .def_property_readonly("num_map_points", [](const LidarOdometry& o) { return o.map().num_points(); })
+      .def_property_readonly("num_map_points", &LidarOdometry::num_map_points)
       .def_property_readonly("memory_bytes", &LidarOdometry::memory_bytes);
 }
 

@@ -46,7 +46,7 @@ inline nav_msgs::Odometry odometry_msg(const voxnav::odometry::OdometryResult& r
   }
   out.twist.twist.linear = to_vector_msg(result.velocity_B);
   out.twist.twist.angular = to_vector_msg(result.angular_velocity_B);
-  const bool is_tracking = result.quality.state == voxnav::odometry::State::kTracking;
+  const bool is_tracking = result.quality.state == voxnav::odometry::OdometryState::kTracking;
   const double speed = is_tracking ? config.velocity_noise_mps : config.max_speed_mps;
   const double rate = is_tracking ? 0.1 : 1.0;
   for (std::size_t i = 0; i < 6; ++i) out.twist.covariance[7 * i] = i < 3 ? speed * speed : rate * rate;

@@ -133,7 +133,7 @@ void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
   header.frame_id = config_.odometry_frame;
   quality_.publish(quality_msg(result, header));
   // Before there is a map there is no pose to speak of.
-  if (estimator_->map().empty()) return;
+  if (estimator_->num_map_voxels() == 0) return;
   odom_.publish(odometry_msg(result, header, config_.body_frame, odometry_config_));
   if (!config_.publish_tf) return;
   geometry_msgs::TransformStamped tf;
@@ -156,8 +156,8 @@ void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
                                                             {"imu_clock_jumps", c.imu_clock_jumps},
                                                             {"scans_without_imu", c.scans_without_imu}};
   for (const auto& [name, value] : counters) diagnostics().set_counter(name, static_cast<double>(value));
-  diagnostics().set_counter("map_voxels", static_cast<double>(estimator_->map().num_voxels()));
-  if (!result.is_new || result.quality.state == odometry::State::kCoasting) {
+  diagnostics().set_counter("map_voxels", static_cast<double>(estimator_->num_map_voxels()));
+  if (!result.is_new || result.quality.state == odometry::OdometryState::kCoasting) {
     complain(result.quality.reason);
   } else {
     diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");

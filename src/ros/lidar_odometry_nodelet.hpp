@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "lidar_odometry_config.hpp"
-#include "odometry/imu_gate.hpp"
 #include "voxnav/OdometryQuality.h"
+#include "voxnav/odometry/imu_gate.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "local_mapper_config.hpp"
-#include "pipeline/pose_locator.hpp"
 #include "tf_locator.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryQuality.h"

@@ -9,10 +9,6 @@ from test_floors import FLOORS, ROOT, git_files
 QUOTED = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 # Internal headers that public ones still include. This list only ever becomes shorter.
 STILL_SHOWN = {
-    ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/imu_buffer.hpp"),
-    ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/localizability.hpp"),
-    ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/point_map.hpp"),
-    ("include/voxnav/odometry/lidar_odometry.hpp", "odometry/registration.hpp"),
     ("include/voxnav/submap/scene_changes.hpp", "submap/merged/evidence_map.hpp"),
     ("include/voxnav/submap/submap.hpp", "submap/distance/distance_cache.hpp"),
     ("include/voxnav/submap/submap_collection.hpp", "submap/obstacles/obstacle_map.hpp"),
@@ -22,8 +18,6 @@ STILL_LOOKING = {
     ("src/bindings/planning_manager.cpp", "pipeline/plan_job.hpp"),
     ("src/bindings/planning_manager.cpp", "pipeline/safe_part.hpp"),
     ("src/bindings/submap.cpp", "submap/registration/own_surface.hpp"),
-    ("src/ros/lidar_odometry_nodelet.hpp", "odometry/imu_gate.hpp"),
-    ("src/ros/local_mapper_nodelet.hpp", "pipeline/pose_locator.hpp"),
     ("src/ros/map_tiles.hpp", "submap/merged/evidence_map.hpp"),
     ("src/ros/submap_integrator_map.hpp", "submap/obstacles/obstacle_map.hpp"),
 }
@@ -32,7 +26,7 @@ STILL_UNWANTED = {
     "include/voxnav/planning/flight_time.hpp",
     "include/voxnav/planning/trajectory.hpp",
 }
-MAX_HEADERS = 60
+MAX_HEADERS = 61
 OUTSIDE = ("src/bindings/*.?pp", "src/ros/*.?pp", "src/simulation/*.?pp", "include/voxnav_ros/*.hpp",
            "include/voxnav_simulation/*.hpp", "docs/examples/*.cpp")
 

@@ -2,53 +2,70 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "odometry/imu_buffer.hpp"
-#include "odometry/localizability.hpp"
-#include "odometry/point_map.hpp"
-#include "odometry/registration.hpp"
 #include "voxnav/cloud/sweep.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 
 namespace voxnav::odometry {
 
-enum class State : std::uint8_t { kInitializing = 0, kTracking = 1, kCoasting = 2 };
-constexpr auto words_of(State) { return std::array{"initializing", "tracking", "coasting"}; }
-/// Why the state is what it is.
-enum class Reason : std::uint8_t {
+/// One sample of an inertial measurement unit, in the axes of the body frame B.
+struct ImuSample {
+  base::StampNs stamp_ns = 0;
+  geometry::Vec3 gyro_radps = geometry::Vec3::Zero();
+  geometry::Vec3 accel_mps2 = geometry::Vec3::Zero();  ///< specific force: +g on the axis that points up at rest
+};
+
+/// Covariance of a pose. The order is translation x y z, then rotation x y z, all in the axes of frame O.
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// How the pose of a cloud came about. The values are those of msg/OdometryQuality.msg.
+enum class OdometryState : std::uint8_t {
+  kInitializing = 0,  ///< there is no map to register to yet
+  kTracking = 1,      ///< the pose follows from registration
+  kCoasting = 2       ///< registration could not be trusted, and the pose follows the prediction
+};
+constexpr auto words_of(OdometryState) { return std::array{"initializing", "tracking", "coasting"}; }
+
+/// Why an odometry is in the state it is in.
+enum class OdometryReason : std::uint8_t {
   kNone,          ///< it tracks in all directions
   kFirstScan,     ///< the map begins with this scan
-  kTooFewPoints,  ///< to begin a map with
+  kTooFewPoints,  ///< the scan has too few points to begin a map with
   kDegenerate,    ///< it tracks, and some directions follow the prediction
-  kFewMatches,    ///< all from here on: the registration is not trusted
-  kFewInliers,
-  kNotConverged,
-  kMovedTooFar,
-  kTurnedTooFar,
-  kOldStamp,  ///< the cloud was refused
+  kFewMatches,    ///< it coasts: too few points match the map
+  kFewInliers,    ///< it coasts: too few of the matches fit
+  kNotConverged,  ///< it coasts: the registration did not settle
+  kMovedTooFar,   ///< it coasts: the registration moved the pose farther than the vehicle can
+  kTurnedTooFar,  ///< it coasts: the registration turned the pose farther than the vehicle can
+  kOldStamp,      ///< the cloud was refused, because its stamp is not newer than the last
 };
-constexpr auto words_of(Reason) {
+constexpr auto words_of(OdometryReason) {
   return std::array{"none",        "first_scan",    "too_few_points", "degenerate",     "few_matches",
                     "few_inliers", "not_converged", "moved_too_far",  "turned_too_far", "old_stamp"};
 }
 
+/// How far the pose of one cloud may be trusted.
 struct Quality {
-  State state = State::kInitializing;
-  Reason reason_kind = Reason::kNone;
-  std::string reason;  ///< the same as a sentence; empty for kNone
-  double inlier_ratio = 0.0;
-  double residual_m = 0.0;
+  OdometryState state = OdometryState::kInitializing;
+  OdometryReason reason_kind = OdometryReason::kNone;
+  std::string reason;         ///< reason_kind as a sentence for people; empty for kNone
+  double inlier_ratio = 0.0;  ///< inliers among the points that the map could judge
+  double residual_m = 0.0;    ///< root mean square distance of the inliers from the map
   int iterations = 0;
-  int num_points = 0;
-  std::array<double, 6> eigenvalues{};  ///< see Localizability
-  bool is_degenerate = false;
+  int num_points = 0;  ///< points of the cloud that took part in the registration
+  /// How strongly the surroundings hold the pose: share of the information per direction of translation, then of
+  /// rotation, each smallest first; 1/3 = evenly spread.
+  std::array<double, 6> eigenvalues{};
+  bool is_degenerate = false;  ///< some direction is not held, and the pose follows the prediction there
 };
 
+/// The pose after one cloud.
 struct OdometryResult {
-  bool is_new = false;  ///< false: the cloud was refused (see quality.reason) and the pose is the previous one
+  bool is_new = false;  ///< false when the cloud was refused (see quality.reason); all else is then as before it
   base::StampNs stamp_ns = 0;
   geometry::Pose T_O_B = geometry::Pose::Identity();           ///< at the stamp, that is at the start of the sweep
   Matrix6 covariance = Matrix6::Zero();                        ///< translation, rotation; axes of O
@@ -57,103 +74,58 @@ struct OdometryResult {
   Quality quality;
 };
 
+/// Counts since construction. A refused cloud is not among `clouds`, while a refused sample is among `imu_samples`.
 struct OdometryCounters {
   std::uint64_t clouds = 0, clouds_refused = 0, coasted = 0, map_restarts = 0, clock_jumps = 0;
   std::uint64_t points_refused = 0, imu_samples = 0, imu_refused = 0, imu_clock_jumps = 0;
   std::uint64_t scans_without_imu = 0;
 };
 
-/// LiDAR-inertial odometry: each scan is deskewed, registered against a bounded local map and added to it.
-/// Frame O starts at the first body position, upright when the IMU shows where up is, heading zero.
-/// When registration cannot be trusted the pose follows the prediction, the covariance grows and the state says so;
-/// the pose never jumps to where nothing is known. Not thread-safe; deterministic.
+/// LiDAR-inertial odometry: each cloud is deskewed, registered against a bounded local map and added to it.
+/// Frame O starts at the first position of the body with heading zero, and upright when the IMU shows where up is.
+/// When a registration cannot be trusted the pose follows the prediction, the covariance grows and the state says so,
+/// so that the pose never jumps to a place for which nothing speaks. Not thread-safe; deterministic.
+/// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III; docs/maths/odometry.md has the formulas and what differs.
 class LidarOdometry {
  public:
-  /// @param T_B_L  LiDAR in the body; IMU samples are in the axes of B
+  /// @param T_B_L  pose of the LiDAR in the body frame, in whose axes IMU samples are given
   /// @throws base::ConfigError
   explicit LidarOdometry(const LidarOdometryConfig& config, const geometry::Pose& T_B_L = geometry::Pose::Identity());
+  ~LidarOdometry();
+  LidarOdometry(LidarOdometry&&) noexcept;
+  LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
-  /// A sample that is not finite, late, or alone on another clock is refused and counted.
+  /// Adds a sample. One that is not finite, not newer than the last, or alone on another clock is refused and counted.
   void add_imu(const ImuSample& sample);
 
-  /// @param stamp_ns  start of the sweep; must grow (a fall of more than a second is taken as a new clock)
-  /// @param points_L  frame L, not deskewed; not finite ones are dropped and counted
-  /// @param times_s   per point, after the stamp; empty = all taken at the stamp
+  /// Finds the pose at which a cloud was taken.
+  /// @param stamp_ns  start of the sweep. Stamps must grow: an older one is refused, and one that is older by more than
+  /// a
+  ///                  second is taken for a clock that was set anew
+  /// @param points_L  points in frame L, not deskewed; those that are not finite are dropped and counted
+  /// @param times_s   time of each point after the stamp; empty when all points were taken at the stamp
   /// @throws std::invalid_argument when times_s has another length than points_L
   /// O(points + iterations * max_source_points)
   OdometryResult add_cloud(base::StampNs stamp_ns, const std::vector<geometry::Vec3f>& points_L,
                            const std::vector<float>& times_s = {});
 
+  /// Finds the pose at which a sweep of cloud::read_sweep() was taken, as add_cloud() does.
   OdometryResult add_sweep(const cloud::Sweep& sweep);
 
   /// Forgets map, motion and IMU; the next cloud starts at T_O_B.
   void reset(const geometry::Pose& T_O_B = geometry::Pose::Identity());
 
-  const OdometryCounters& counters() const { return counters_; }
-  const OdometryResult& last() const { return last_; }
-  const PointMap& map() const { return map_; }
+  const OdometryCounters& counters() const;
+  /// The result of the last cloud that was not refused.
+  const OdometryResult& last() const;
+  /// Points, and voxels, of the map that clouds are registered against.
+  std::size_t num_map_points() const;
+  std::size_t num_map_voxels() const;
   std::size_t memory_bytes() const;
 
  private:
-  struct Prediction {
-    geometry::Pose T_O_B = geometry::Pose::Identity();
-    double dt_s = 0.0;
-    bool has_imu = false;
-  };
-  /// The pose is estimated for the middle of a sweep: there, errors of the velocity that deskews cancel. At its
-  /// start or end they would enter the next velocity and swing up.
-  struct Sweep {
-    base::StampNs start_ns, middle_ns;
-    double duration_s;
-  };
-  static Sweep sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s);
-  std::vector<Eigen::Isometry3f> poses_within(const Sweep& sweep, const Prediction& prediction) const;
-  /// Result for a cloud that cannot be used at all, or nothing.
-  bool refuse_time(base::StampNs stamp_ns, OdometryResult* refused);
-  void begin(base::StampNs start_ns, base::StampNs end_ns);
-  Prediction predict(base::StampNs stamp_ns) const;
-  Eigen::Matrix3d rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const;
-  void prepare_points(const Sweep& sweep, const std::vector<geometry::Vec3f>& points_L,
-                      const std::vector<float>& times_s, const Prediction& prediction);
-  Matrix6 predicted_covariance(const Prediction& prediction) const;
-  /// Why a registration is not to be trusted, as a reason and its sentence.
-  using Explanation = std::pair<Reason, std::string>;
-  Explanation distrust(const RegistrationResult& found, const Prediction& prediction) const;
-  void track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted_covariance);
-  void begin_map();
-  void locate(const Prediction& prediction);
-  void coast(const Explanation& why, const Prediction& prediction, const Matrix6& predicted_covariance);
-  void measure_velocity(const geometry::Pose& found, double dt_s);
-  void adapt_threshold(const geometry::Pose& predicted, const geometry::Pose& found);
-  void adapt_gyro_bias(const RegistrationResult& found, const Prediction& prediction);
-  void extend_map();
-  Matrix6 drift_covariance() const;
-  void fill_result(const Sweep& sweep, bool has_imu);
-
-  LidarOdometryConfig config_;
-  geometry::Pose T_B_L_;
-  PointMap map_;
-  Downsampler downsampler_;
-  ImuBuffer imu_;
-  std::vector<geometry::Vec3f> deskewed_, fine_, source_, inserted_;  // frame B, B, B, O
-
-  geometry::Pose T_O_B_ = geometry::Pose::Identity();
-  std::optional<geometry::Pose> observed_T_O_B_;  // the last one that is not a prediction, on the clock in use
-  geometry::Vec3 velocity_O_ = geometry::Vec3::Zero();
-  geometry::Vec3 angular_velocity_B_ = geometry::Vec3::Zero();
-  geometry::Vec3 gyro_bias_ = geometry::Vec3::Zero();
-  bool has_velocity_ = false;
-  bool has_time_ = false;
-  base::StampNs stamp_ns_ = 0;  // of T_O_B_
-  double coasted_s_ = 0.0;
-  double sigma_m_;
-  double travelled_m_ = 0.0;
-  std::uint32_t scan_ = 0;
-  Matrix6 local_covariance_ = Matrix6::Zero();  // against the local map
-  Matrix6 lost_covariance_ = Matrix6::Zero();   // what the map restarts cost
-  Quality quality_;
-  OdometryCounters counters_;
-  OdometryResult last_;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace voxnav::odometry

@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "voxnav/cloud/sweep.hpp"
 #include "voxnav/pipeline/deskew.hpp"
+
+namespace voxnav::geometry {
+class PoseBuffer;
+}
 
 namespace voxnav::pipeline {
 
@@ -32,6 +38,24 @@ class SweepLocator {
   virtual ~SweepLocator() = default;
   /// @param duration_ns  of the motion that is asked for; 0 = as if the whole sweep were taken at its start
   virtual SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const = 0;
+};
+
+/// Locates the sweeps of one sensor by stamped poses of the body on which it is mounted.
+class PoseLocator final : public SweepLocator {
+ public:
+  PoseLocator();
+  ~PoseLocator() override;
+  PoseLocator(PoseLocator&&) noexcept;
+  PoseLocator& operator=(PoseLocator&&) noexcept;
+
+  void set_mount(const geometry::Pose& T_B_L) { T_B_L_ = T_B_L; }
+  /// @return false for a pose that is refused: late, alone on another clock, or not rigid
+  bool add(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
+  SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const override;
+
+ private:
+  std::unique_ptr<geometry::PoseBuffer> poses_;
+  std::optional<geometry::Pose> T_B_L_;
 };
 
 }  // namespace voxnav::pipeline

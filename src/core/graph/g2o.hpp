@@ -13,7 +13,7 @@ struct G2oEdge {
   int a;
   int b;
   Pose4 T_a_b;
-  Matrix4 information;  ///< of x, y, z, yaw
+  Matrix4 information;  ///< in the order x, y, z, yaw
 };
 
 struct G2o {

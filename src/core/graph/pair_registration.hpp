@@ -21,7 +21,7 @@ struct PairOverlap {
   std::vector<std::uint32_t> of_a;
   std::vector<std::uint32_t> of_b;
   double phase_a = 0.5;  ///< mean time at which A saw what the two share, as a share of A's time
-  double phase_b = 0.5;  ///< the same of B
+  double phase_b = 0.5;  ///< mean time at which B saw it, as a share of B's time
   double ratio = 0.0;    ///< larger of the two shares of a sample that lie inside the other submap
 };
 
@@ -35,7 +35,7 @@ struct PairModel {
   Pose4 gradient = Pose4::Zero();
   Matrix4 hessian = Matrix4::Zero();
   double matched_ratio = 0.0;                          ///< share of the weight that still lies in observed space
-  Eigen::Vector2d center_A = Eigen::Vector2d::Zero();  ///< of the matched points, frame A
+  Eigen::Vector2d center_A = Eigen::Vector2d::Zero();  ///< mean of the matched points, frame A
   double radius_m = 1.0;                               ///< horizontal rms distance from center_A
 };
 
@@ -64,7 +64,7 @@ struct PairSearch {
   double range_m;        ///< half width of the window in x and y
   double range_rad;      ///< half width in yaw
   double step_m;         ///< spacing of the grid
-  int max_points;        ///< of each direction
+  int max_points;        ///< points used in each direction
   double min_advantage;  ///< best cost must be below this share of the best cost elsewhere
 };
 

@@ -28,7 +28,8 @@ PairOverlap all_points(const SurfaceSample& a, const SurfaceSample& b) {
   return out;
 }
 
-struct Candidate {
+/// An alignment of the grid and what it costs.
+struct GridPose {
   Pose4 T_A_B;
   double cost;
 };
@@ -47,12 +48,12 @@ Pose4 moved(const Pose4& T_A_B, const Eigen::Vector2d& center_B, double dx, doub
   return out;
 }
 
-struct Extent {
+struct PointsExtent {
   Eigen::Vector2d center;
   double radius_m;
 };
 
-Extent extent_of(const SurfaceSample& sample) {
+PointsExtent extent_of(const SurfaceSample& sample) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const SamplePoint& point : sample.points) mean += point.position_S.head<2>();
   mean /= static_cast<double>(sample.points.size());
@@ -61,14 +62,14 @@ Extent extent_of(const SurfaceSample& sample) {
   return {mean, std::max(1.0, std::sqrt(spread / static_cast<double>(sample.points.size())))};
 }
 
-std::vector<Candidate> score_grid(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B,
-                                  const PairSearch& search) {
-  const Extent extent = extent_of(b);
+std::vector<GridPose> score_grid(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B,
+                                 const PairSearch& search) {
+  const PointsExtent extent = extent_of(b);
   const PairOverlap everything = all_points(a, b);
   const double step_rad = search.step_m / extent.radius_m;
   const int n_xy = steps_within(search.range_m, search.step_m);
   const int n_yaw = std::min(steps_within(search.range_rad, step_rad), 45);
-  std::vector<Candidate> out;
+  std::vector<GridPose> out;
   // An alignment that costs clearly more than the best so far can neither win nor keep the winner from standing out.
   double enough = std::numeric_limits<double>::infinity();
   for (int k = -n_yaw; k <= n_yaw; ++k) {
@@ -91,12 +92,12 @@ std::optional<Pose4> search_pair(const SurfaceSample& full_a, const SurfaceSampl
   const SurfaceSample a = upright_prefix(full_a, search.max_points);
   const SurfaceSample b = upright_prefix(full_b, search.max_points);
   if (a.points.size() < kMinPoints || b.points.size() < kMinPoints) return std::nullopt;
-  const std::vector<Candidate> grid = score_grid(a, b, T_A_B, search);
-  const auto best = std::min_element(grid.begin(), grid.end(),
-                                     [](const Candidate& l, const Candidate& r) { return l.cost < r.cost; });
+  const std::vector<GridPose> grid = score_grid(a, b, T_A_B, search);
+  const auto best =
+      std::min_element(grid.begin(), grid.end(), [](const GridPose& l, const GridPose& r) { return l.cost < r.cost; });
   double elsewhere = std::numeric_limits<double>::infinity();
   const double near_rad = 2.0 * search.step_m / extent_of(b).radius_m;
-  for (const Candidate& candidate : grid) {
+  for (const GridPose& candidate : grid) {
     const bool is_near = (candidate.T_A_B - best->T_A_B).head<2>().norm() < 2.5 * search.step_m &&
                          std::abs(geometry::wrap_angle(candidate.T_A_B[3] - best->T_A_B[3])) <= near_rad;
     if (!is_near) elsewhere = std::min(elsewhere, candidate.cost);

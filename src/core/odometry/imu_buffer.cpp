@@ -22,7 +22,7 @@ Eigen::Quaterniond exp_so3(const Vec3& rotation) {
 
 Vec3 log_so3(const Eigen::Quaterniond& q) {
   const double sine = q.vec().norm();
-  // q and -q are one rotation; the shorter way round is meant.
+  // q and -q are the same rotation, of which the vector with the smaller angle is wanted.
   const double angle = 2.0 * std::atan2(sine, std::abs(q.w()));
   const double sign = q.w() < 0 ? -1.0 : 1.0;
   return sine < 1e-12 ? Vec3(2.0 * sign * q.vec()) : Vec3(q.vec() * (sign * angle / sine));

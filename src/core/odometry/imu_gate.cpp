@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "odometry/imu_gate.hpp"
+#include "voxnav/odometry/imu_gate.hpp"
 
 #include <utility>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What LidarOdometry believes of the motion before it looks at a scan: prediction and deskewing.
+// How LidarOdometry predicts the motion of the body before it looks at a cloud, and deskews the cloud with it.
 #include <algorithm>
 #include <cmath>
 
-#include "odometry_limits.hpp"
-#include "voxnav/odometry/lidar_odometry.hpp"
+#include "odometry/lidar_odometry_impl.hpp"
+#include "odometry/odometry_limits.hpp"
 
 namespace voxnav::odometry {
 namespace {
@@ -20,7 +20,7 @@ double spacing_m(const LidarOdometryConfig& c) { return c.voxel_size_m / std::sq
 
 }  // namespace
 
-LidarOdometry::Prediction LidarOdometry::predict(base::StampNs stamp_ns) const {
+LidarOdometry::Impl::Prediction LidarOdometry::Impl::predict(base::StampNs stamp_ns) const {
   Prediction out;
   out.T_O_B = T_O_B_;
   out.dt_s = has_time_ ? base::to_seconds(stamp_ns - stamp_ns_) : kFirstDt_s;
@@ -33,7 +33,8 @@ LidarOdometry::Prediction LidarOdometry::predict(base::StampNs stamp_ns) const {
   out.has_imu = turned.has_value();
   const double dt = std::min(out.dt_s, kMaxScanGap_s);
   const Eigen::Quaterniond rotation = turned ? *turned : exp_so3(angular_velocity_B_ * dt);
-  // Without IMU a vehicle that turns is taken to go on along its curve; with it the velocity holds in space.
+  // Without an IMU a vehicle that turns is expected to go on along its curve, so that its velocity turns with it. With
+  // one the velocity is expected to stay the same in frame O.
   const Eigen::Quaterniond half = turned ? Eigen::Quaterniond::Identity() : exp_so3(angular_velocity_B_ * dt);
   const Vec3 velocity_B = T_O_B_.linear().transpose() * velocity_O_;
   out.T_O_B.translation() += T_O_B_.linear() * (half * velocity_B) * dt;
@@ -42,7 +43,7 @@ LidarOdometry::Prediction LidarOdometry::predict(base::StampNs stamp_ns) const {
   return out;
 }
 
-Eigen::Matrix3d LidarOdometry::rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const {
+Eigen::Matrix3d LidarOdometry::Impl::rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const {
   if (has_imu) {
     const auto turned = imu_.rotation(stamp_ns, stamp_ns + base::from_seconds(t_s), gyro_bias_, config_.imu_max_gap_s);
     if (turned) return turned->toRotationMatrix();
@@ -50,7 +51,7 @@ Eigen::Matrix3d LidarOdometry::rotation_from(base::StampNs stamp_ns, double t_s,
   return exp_so3(angular_velocity_B_ * t_s).toRotationMatrix();
 }
 
-LidarOdometry::Sweep LidarOdometry::sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s) {
+LidarOdometry::Impl::Sweep LidarOdometry::Impl::sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s) {
   float last_s = 0.0F;
   for (float t : times_s) {
     if (t > last_s && t <= kMaxSweep_s) last_s = t;
@@ -58,7 +59,8 @@ LidarOdometry::Sweep LidarOdometry::sweep_of(base::StampNs stamp_ns, const std::
   return {stamp_ns, stamp_ns + base::from_seconds(0.5 * last_s), last_s};
 }
 
-std::vector<Eigen::Isometry3f> LidarOdometry::poses_within(const Sweep& sweep, const Prediction& prediction) const {
+std::vector<Eigen::Isometry3f> LidarOdometry::Impl::poses_within(const Sweep& sweep,
+                                                                 const Prediction& prediction) const {
   std::vector<Eigen::Isometry3f> out(sweep.duration_s > 0.0 ? kSweepBins : 1);
   const Vec3 velocity_B = prediction.T_O_B.linear().transpose() * velocity_O_;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -73,9 +75,9 @@ std::vector<Eigen::Isometry3f> LidarOdometry::poses_within(const Sweep& sweep, c
   return out;
 }
 
-void LidarOdometry::prepare_points(const Sweep& sweep, const std::vector<Vec3f>& points_L,
-                                   const std::vector<float>& times_s, const Prediction& prediction) {
-  // So fine that the nearest one will do.
+void LidarOdometry::Impl::prepare_points(const Sweep& sweep, const std::vector<Vec3f>& points_L,
+                                         const std::vector<float>& times_s, const Prediction& prediction) {
+  // The steps are so fine that each point may take the nearest pose instead of an interpolated one.
   const std::vector<Eigen::Isometry3f> poses = poses_within(sweep, prediction);
   const float to_bin = poses.size() == 1 ? 0.0F : static_cast<float>((kSweepBins - 1) / sweep.duration_s);
   const auto min_sq = static_cast<float>(config_.min_range_m * config_.min_range_m);

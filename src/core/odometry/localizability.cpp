@@ -13,7 +13,7 @@ using geometry::Vec3;
 using geometry::Vec3f;
 using Matrix3 = Eigen::Matrix3d;
 
-/// Keeps the inverse defined when the marginalised part is itself unobserved; far below any threshold.
+/// Keeps the inverse defined when the part that is marginalised out is not observed itself; far below any threshold.
 constexpr double kRidge = 1e-6;
 /// Least cosine between a normal and a direction that it is taken to hold: about 70 degrees.
 constexpr float kStrongShare = 0.35F;
@@ -33,7 +33,7 @@ Matrix6 mean_information(const std::vector<Contribution>& contributions) {
   return sum / static_cast<double>(contributions.size());
 }
 
-/// Share of the matches that clearly holds a translation.
+/// How much of a translation those matches tell whose normals clearly point along it.
 double strong_translation(const std::vector<Contribution>& contributions, const Vec3& direction) {
   const Vec3f v = direction.cast<float>();
   double sum = 0.0;
@@ -44,7 +44,8 @@ double strong_translation(const std::vector<Contribution>& contributions, const 
   return sum / static_cast<double>(contributions.size());
 }
 
-/// The same for a turn about an axis, and how far points move in it (mean square, m^2).
+/// How much of a turn about an axis those matches tell whose points move clearly along their normals in it.
+/// @param mean_arm_sq  receives the mean square of how far the points move per radian [m^2]
 double strong_rotation(const std::vector<Contribution>& contributions, const Vec3& axis, double* mean_arm_sq) {
   const Vec3f v = axis.cast<float>();
   double sum = 0.0, all = 0.0;

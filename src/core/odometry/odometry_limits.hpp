@@ -3,7 +3,7 @@
 
 namespace voxnav::odometry {
 
-/// Scans farther apart tell nothing about the velocity.
+/// Two scans that lie farther apart in time say nothing about the velocity.
 constexpr double kMaxScanGap_s = 1.0;
 
 }  // namespace voxnav::odometry

@@ -25,7 +25,7 @@ Vec3f center_of(VoxelKey key, float size) {
   return Vec3f(cell(key >> 42), cell(key >> 21), cell(key)) * size;
 }
 
-/// Keys of the cells around a point that a sphere may reach: the cells between two corners.
+/// The cells, between two corners, that a sphere around a point may reach.
 struct CellRange {
   std::int32_t low[3], high[3];
   bool is_valid = true;
@@ -72,7 +72,8 @@ struct Neighbourhood {
   }
 };
 
-/// `offsets` are relative to the point: sums of squares far from zero would lose the thickness to rounding.
+/// Decides what shape a neighbourhood has. Its offsets are relative to the point, since sums of squares far from zero
+/// would lose the thickness of a plane to rounding.
 void classify(const Neighbourhood& offsets, const Vec3f& sensor_up, MapPoint* point) {
   point->shape = Shape::kUnknown;
   if (offsets.count < kMinNeighbours) return;
@@ -186,7 +187,7 @@ MapPoint* PointMap::nearest(const Vec3f& point_O, double max_distance_m) {
   const auto limit = static_cast<float>(max_distance_m);
   float best_sq = limit * limit;
   MapPoint* best = nullptr;
-  // Most searches end near by: half a voxel first, the whole radius only when that finds nothing within it.
+  // Most searches end close by, so that the whole radius is searched only when half a voxel does not give a point.
   const float near = std::min(limit, 0.5F / inverse_size_);
   for_each_cell(cells_around(point_O, near, inverse_size_),
                 [&](VoxelKey key) { search_cell(key, point_O, &best_sq, &best); });
@@ -228,7 +229,7 @@ bool PointMap::stands_alone(const MapPoint& line) const {
     for (std::uint32_t i = 0; i < voxels_[*index].count; ++i) {
       const Vec3f offset = points[i].position - line.position;
       const float along = line.direction.dot(offset);
-      // Ground and canopy at the ends of a pole are not beside it.
+      // Ground and canopy lie at the ends of a pole and not beside it.
       if (std::abs(along) > radius) continue;
       (offset - along * line.direction).squaredNorm() < 0.25F * radius* radius ? ++on_line : ++beside;
     }

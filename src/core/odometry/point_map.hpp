@@ -13,7 +13,8 @@ namespace voxnav::odometry {
 
 using geometry::Vec3f;
 
-/// Cell of a point as one number: 21 bits per axis; kNoKey when it does not fit or is not finite.
+/// The cell that holds a point as one number with 21 bits per axis. It is kNoKey for a point that lies too far away or
+/// is not finite.
 using VoxelKey = std::uint64_t;
 constexpr VoxelKey kNoKey = ~VoxelKey{0};
 VoxelKey key_of(const Vec3f& point, float inverse_size);
@@ -28,18 +29,18 @@ struct VoxelKeyHash {
 };
 using VoxelNumbers = containers::NumberTable<VoxelKey, VoxelKeyHash>;
 
-/// Thins points out; keeps its memory from call to call.
+/// Thins points out. Its memory is kept from call to call.
 class Downsampler {
  public:
-  /// First point of every voxel, in input order.
-  /// Source: Vizzo et al. 2023 (KISS-ICP), section III-B; differs: the first point stands for its voxel.
+  /// Keeps the first point of every voxel, in the order of the input.
+  /// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III-B; differs: the first point stands for its voxel.
   void run(const std::vector<Vec3f>& points, double voxel_size_m, std::vector<Vec3f>* out);
 
  private:
   containers::KeyNumbers<VoxelKey, VoxelKeyHash> voxels_;
 };
 
-/// What the surface around a map point looks like.
+/// Shape of the surface around a map point, as far as its neighbours show it.
 enum class Shape : std::uint8_t { kUnknown, kPlane, kLine };
 
 struct MapPoint {
@@ -47,7 +48,7 @@ struct MapPoint {
   Vec3f anchor = Vec3f::Zero();     ///< plane: centroid of the neighbourhood; line: the point itself
   Vec3f direction = Vec3f::Zero();  ///< plane: normal; line: axis; unit
   Shape shape = Shape::kUnknown;
-  std::uint16_t refit_interval = 0;  ///< scans
+  std::uint16_t refit_interval = 0;  ///< scans between the last fit and the next
   std::uint32_t next_fit_scan = 0;
 };
 
@@ -57,22 +58,24 @@ struct PointMapOptions {
   int max_voxels = 60000;
 };
 
-/// Bounded local map: points hashed by voxel, with the surface around a point fitted when it is first asked for
-/// and refitted ever more rarely while the map grows. Not thread-safe; deterministic.
+/// Bounded map of points, hashed by voxel. The surface around a point is fitted when it is first asked for and refitted
+/// ever more rarely while the map grows. Not thread-safe; deterministic.
+/// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III-C (voxel hash of points); the fitted shapes are of this
+/// repository.
 class PointMap {
  public:
   explicit PointMap(const PointMapOptions& options);
 
   void clear();
-  /// Adds points of frame O where the map is not yet as dense as it may be. O(points).
+  /// Adds points of frame O, except where the map is already as dense as its options allow. O(points).
   void insert(const std::vector<Vec3f>& points_O);
-  /// Removes voxels farther than `radius_m`, then the farthest until at most 3/4 of the bound are left when it is
-  /// reached.
+  /// Removes the voxels farther away than `radius_m`. If the bound is reached nevertheless, the farthest ones go too,
+  /// until three quarters of it are left.
   void keep_around(const Vec3f& center_O, double radius_m);
-  /// Nearest point within max_distance_m, at most two voxels away; null when there is none.
+  /// The nearest point within max_distance_m and within two voxels on each axis; null when there is none.
   MapPoint* nearest(const Vec3f& point_O, double max_distance_m);
-  /// Fits the surface around a map point unless a recent fit is at hand. Lines are only believed along
-  /// `sensor_up_O`: across it, the rings of the sensor itself look like lines.
+  /// Fits the surface around a map point unless its last fit is recent enough. A line is believed only if it stands
+  /// along `sensor_up_O`, since the rings that a spinning sensor draws look like lines across that axis.
   void update_shape(MapPoint* point, const Vec3f& sensor_up_O, std::uint32_t scan);
 
   std::size_t num_voxels() const { return voxels_.size(); }
@@ -88,7 +91,8 @@ class PointMap {
   MapPoint* points_of(std::uint32_t voxel) { return points_.data() + std::size_t{voxel} * capacity_; }
   void insert_point(const Vec3f& point);
   void rebuild(const std::vector<std::uint32_t>& kept);
-  /// A column of beams on a wall is a line too, and moves with the sensor; poles and trunks have air around them.
+  /// Whether a line has air around it, as poles and trunks do. A column of beams on a wall looks like a line too, but
+  /// that line moves with the sensor.
   bool stands_alone(const MapPoint& line) const;
   void search_cell(VoxelKey key, const Vec3f& point, float* best_sq, MapPoint** best);
 
@@ -103,7 +107,7 @@ class PointMap {
     numbers_.insert(key, voxel, [this](std::uint32_t other) { return voxels_[other].key; });
   }
 
-  VoxelNumbers numbers_;  ///< of voxels, by key
+  VoxelNumbers numbers_;  ///< where a voxel lies in voxels_, by its key
   std::vector<Voxel> voxels_;
   std::vector<MapPoint> points_;  // capacity_ per voxel
 };

@@ -16,7 +16,7 @@ using geometry::Vec3;
 constexpr int kCoarsePoints = 800;
 constexpr double kCoarseStep = 1e-2;
 constexpr double kFineStep = 5e-4;
-/// Steps beyond this at the end of the iterations mean that the scan has not settled.
+/// A last step longer than this means that the pose has not settled.
 constexpr double kSettledStep = 2e-2;
 
 /// One linearisation of all matches.
@@ -24,12 +24,12 @@ struct Linear {
   Matrix6 H = Matrix6::Zero();
   Vector6 b = Vector6::Zero();
   double inlier_sq_sum = 0.0;
-  int num_judged = 0;  // points that have a surface near by, or nothing where there should be one
+  int num_judged = 0;  // points with a surface near by, and points with nothing near by at all
   int num_matched = 0;
   int num_inliers = 0;
 };
 
-/// Adds the residual n . (p - anchor), p seen from the body at `lever`.
+/// Adds the residual n . (p - anchor) of a point p that lies at `lever` from the body.
 void add_plane(const Vec3& n, const Vec3& lever, double residual, double kernel_sq, Linear* sum,
                std::vector<Contribution>* contributions) {
   const double shrink = kernel_sq / (kernel_sq + residual * residual);
@@ -41,7 +41,7 @@ void add_plane(const Vec3& n, const Vec3& lever, double residual, double kernel_
   contributions->push_back({n.cast<float>(), lever.cast<float>()});
 }
 
-/// Two unit vectors across a line.
+/// Two unit vectors at right angles to a line and to each other.
 void across(const Vec3& axis, Vec3* u, Vec3* v) {
   *u = axis.unitOrthogonal();
   *v = axis.cross(*u);
@@ -84,7 +84,7 @@ class Registration {
     contributions_.clear();
     const Eigen::Isometry3f T = result_.T_O_B.cast<float>();
     const Vec3f origin = T.translation();
-    // Never narrower than the noise allows, and narrowing with the gate.
+    // The kernel narrows with the gate, which is never narrower than the noise allows.
     const double kernel = gate_m / 3.0;
     result_.num_points = 0;
     for (std::size_t i = 0; i < points_.size(); i += static_cast<std::size_t>(stride)) {
@@ -132,7 +132,7 @@ class Registration {
     result_.localizability = analyse_localizability(contributions_, config_.weak_translation, config_.weak_rotation);
   }
 
-  /// Data, prior, and weak directions held at the prediction.
+  /// The step that fits the matches and the prior best, with weak directions held at the prediction.
   Vector6 solve(const Linear& linear) const {
     const double noise_var = config_.measurement_noise_m * config_.measurement_noise_m;
     Vector6 to_prior;

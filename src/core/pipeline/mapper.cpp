@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "base/clock_watch.hpp"
-#include "odometry/imu_gate.hpp"
-#include "pipeline/pose_locator.hpp"
 #include "voxnav/geometry/rigid_pose.hpp"
+#include "voxnav/odometry/imu_gate.hpp"
 
 namespace voxnav::pipeline {
 namespace {
@@ -74,9 +73,9 @@ Mapper::State::State(const MapperConfig& mapper_config, const Pose& T_B_L, const
 
 void Mapper::State::track(cloud::Sweep sweep, double now_s) {
   const odometry::OdometryResult result = odometry->add_sweep(sweep);
-  if (result.is_new && result.quality.state == odometry::State::kCoasting) scheduler.request_close("odometry");
+  if (result.is_new && result.quality.state == odometry::OdometryState::kCoasting) scheduler.request_close("odometry");
   // Before odometry has a map there is no pose to speak of.
-  if (result.is_new && !odometry->map().empty()) own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
+  if (result.is_new && odometry->num_map_voxels() > 0) own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
   push({std::move(sweep), std::nullopt, now_s, std::nullopt});
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "odometry/imu_gate.hpp"
+#include "voxnav/odometry/imu_gate.hpp"
 
 namespace {
 
