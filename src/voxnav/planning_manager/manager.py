@@ -29,7 +29,7 @@ class PlanningManager:
     The vehicle always holds a trajectory that ends at rest in known free space; when that is no longer so, the
     trajectory is shortened, or the vehicle brakes. Whatever is lost (odometry, map, correction, services) leads to
     hover with a reason; the goal is kept and the flight resumes. Not thread-safe.
-    Source: thesis, section 5.4 (planning manager).
+    Source: docs/architecture.md, "From a goal to a trajectory"; formulas in docs/maths/planning.md.
     """
 
     def __init__(self, config: Any, min_altitude_m: float, max_altitude_m: float) -> None:

@@ -50,7 +50,7 @@ class DistanceBlock {
 ///    interpolation inside the known voxels next to them.
 /// Exact to float rounding; error of inside values at most half an edge. A function of the field, so it may be
 /// forgotten and made again. Measured distances of a projective field are copied instead.
-/// Source: algorithms.md section 5 (occupancy to distance), but with surface points below voxel size.
+/// Source: docs/maths/submaps.md, "Distances near surfaces".
 /// @return null when there is no distance in the block  @complexity O(leaves around * band^3)
 std::shared_ptr<const DistanceBlock> derive_distances(const CompressedField& field, const geometry::Index3& block);
 

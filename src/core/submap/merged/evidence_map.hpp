@@ -33,7 +33,8 @@ struct EvidenceRules {
 /// surface nearer than the clearing distance (so that small pose errors remove nothing). Free space is made of voxels
 /// that rays crossed, above the ground in them: a point goes only once what is below it was seen too, be it by another
 /// submap. Thin things, which beams miss from afar, are removed only by free space that was seen from
-/// near. What a newer submap does not know changes nothing. Source: algorithms.md section 9. Not thread-safe.
+/// near. What a newer submap does not know changes nothing. Source: docs/maths/submaps.md, "Newest evidence".
+/// Not thread-safe.
 class EvidenceMap {
  public:
   /// @throws std::invalid_argument unless the resolution is positive
