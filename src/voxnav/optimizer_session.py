@@ -4,22 +4,55 @@
 Frames: W map, O odometry origin, B body, S submap, G frame of the GNSS positions. Stamps are seconds.
 """
 
+from __future__ import annotations
+
 import collections
 import math
+from typing import Any, Iterable, NamedTuple
 
 import numpy as np
 
 import voxnav
-
-SubmapRecord = collections.namedtuple("SubmapRecord", "id start_s end_s T_O_S stamps_s T_S_B")
-SubmapRecord.__doc__ = """A finished submap. stamps_s (n,) rising and T_S_B (n, 4, 4) are its pose history."""
-
-Loop = collections.namedtuple("Loop", "stamp_a_s stamp_b_s T_A_B covariance")
-Fix = collections.namedtuple("Fix", "stamp_s p_G covariance")
-Height = collections.namedtuple("Height", "stamp_s height_m")
+from voxnav.array_types import Array
 
 
-def body_pose_at(record, stamp_s):
+class SubmapRecord(NamedTuple):
+    """A finished submap. stamps_s (n,) rising and T_S_B (n, 4, 4) are its pose history."""
+
+    id: int
+    start_s: float
+    end_s: float
+    T_O_S: Array
+    stamps_s: Array
+    T_S_B: Array
+
+
+class Loop(NamedTuple):
+    """A loop closure between two bodies. T_A_B (4, 4); covariance (6, 6) of its x y z roll pitch yaw."""
+
+    stamp_a_s: float
+    stamp_b_s: float
+    T_A_B: Array
+    covariance: Array
+
+
+class Fix(NamedTuple):
+    """A GNSS position p_G (3,) in metres with its (3, 3) covariance."""
+
+    stamp_s: float
+    p_G: Array
+    covariance: Array
+
+
+class Height(NamedTuple):
+    """A height above any fixed level."""
+
+    stamp_s: float
+    height_m: float
+
+
+
+def body_pose_at(record: SubmapRecord, stamp_s: float) -> Array | None:
     """Gravity-aligned T_S_B at a time, or None outside of the pose history."""
     stamps = record.stamps_s
     if len(stamps) == 0 or not stamps[0] <= stamp_s <= stamps[-1]:
@@ -31,7 +64,15 @@ def body_pose_at(record, stamp_s):
     return voxnav.gravity_aligned(voxnav.interpolate_pose(before, after, ratio))
 
 
-def loop_between_submaps(T_SA_A, T_SB_B, T_A_B, covariance):
+def _known_pose(record: SubmapRecord, stamp_s: float) -> Array:
+    """body_pose_at() of a time that is known to lie within the pose history."""
+    T_S_B = body_pose_at(record, stamp_s)
+    if T_S_B is None:
+        raise LookupError("submap %d has no pose at %.6f" % (record.id, stamp_s))
+    return T_S_B
+
+
+def loop_between_submaps(T_SA_A: Array, T_SB_B: Array, T_A_B: Array, covariance: Array) -> tuple[Array, Array]:
     """A loop between bodies as one between their submaps: T_Sa_Sb and its (4, 4) information.
 
     covariance: (6, 6) of x y z roll pitch yaw of T_A_B. The heading error of the loop moves the far submap too.
@@ -53,29 +94,30 @@ class OptimizerSession:
     Not thread-safe, except that add_fix and add_height may be called while another thread does the rest.
     """
 
-    def __init__(self, graph_config=None, config=None):
+    def __init__(self, graph_config: voxnav.SubmapGraphConfig | None = None,
+                 config: voxnav.OptimizerConfig | None = None) -> None:
         self.config = config or voxnav.OptimizerConfig()
         voxnav.set_distance_cache_mb(self.config.distance_cache_mb)
         self._graph = voxnav.SubmapGraph(graph_config or voxnav.SubmapGraphConfig())
-        self._records = collections.OrderedDict()
-        self._loops = collections.deque()
-        self._fixes = collections.deque(maxlen=self.config.max_pending)
-        self._heights = collections.deque(maxlen=self.config.max_pending)
-        self._height_offset = None
+        self._records: collections.OrderedDict[int, SubmapRecord] = collections.OrderedDict()
+        self._loops: collections.deque[Loop] = collections.deque()
+        self._fixes: collections.deque[Fix] = collections.deque(maxlen=self.config.max_pending)
+        self._heights: collections.deque[Height] = collections.deque(maxlen=self.config.max_pending)
+        self._height_offset: float | None = None
         self.T_W_O = np.eye(4)
         self.revision = 0
-        self.dropped = collections.Counter()
+        self.dropped: collections.Counter[str] = collections.Counter()
 
     @property
-    def records(self):
+    def records(self) -> collections.OrderedDict[int, SubmapRecord]:
         """Submaps by id, oldest first."""
         return self._records
 
     @property
-    def graph(self):
+    def graph(self) -> voxnav.SubmapGraph:
         return self._graph
 
-    def add_submap(self, record, field=None):
+    def add_submap(self, record: SubmapRecord, field: voxnav.DistanceField | None = None) -> bool:
         """Add a finished submap; its start is where odometry puts it after the last. False when it is known already.
 
         field: DistanceField to register it by. Raises ValueError for a pose that is not valid, when full, and for a
@@ -98,7 +140,7 @@ class OptimizerSession:
         self._attach_loops()
         return True
 
-    def add_loop(self, loop):
+    def add_loop(self, loop: Loop) -> None:
         """Add a loop closure between two stamps; it waits until both lie in finished submaps.
 
         Raises ValueError when it cannot be used.
@@ -113,7 +155,7 @@ class OptimizerSession:
         self._loops.append(loop)
         self._attach_loops()
 
-    def add_fix(self, fix):
+    def add_fix(self, fix: Fix) -> bool:
         """Add a GNSS position in frame G; used when the submap of its time is finished. False when too uncertain."""
         if not (np.all(np.isfinite(fix.p_G)) and np.all(np.isfinite(fix.covariance))):
             self.dropped["gnss"] += 1
@@ -124,7 +166,7 @@ class OptimizerSession:
         self._fixes.append(fix)
         return True
 
-    def add_height(self, height):
+    def add_height(self, height: Height) -> bool:
         """Add a height above any fixed level; only changes of it matter."""
         if not math.isfinite(height.height_m):
             self.dropped["height"] += 1
@@ -132,7 +174,7 @@ class OptimizerSession:
         self._heights.append(height)
         return True
 
-    def optimize(self, full=False):
+    def optimize(self, full: bool = False) -> voxnav.OptimizeReport:
         """Solve and set T_W_O so that the newest submap stays where odometry has it. Returns OptimizeReport."""
         report = self._graph.optimize(full=full)
         if self._records:
@@ -142,7 +184,7 @@ class OptimizerSession:
         self.revision += 1
         return report
 
-    def trajectory(self):
+    def trajectory(self) -> tuple[Array, Array]:
         """Stamps (n,) and poses T_W_B (n, 4, 4) of the flight so far, without steps, thinned to the limit."""
         records = [r for r in self._records.values() if len(r.stamps_s)]
         if not records:
@@ -153,12 +195,12 @@ class OptimizerSession:
         stamps, T_O_B = np.ascontiguousarray(stamps[::step]), np.ascontiguousarray(T_O_B[::step])
         return stamps, voxnav.correct_trajectory(stamps, T_O_B, *self._corrections(records)[1:])
 
-    def bends(self):
+    def bends(self) -> dict[int, Array]:
         """{id: (2, 4, 4)}: what drift did to each submap while it was made, see voxnav.submap_bends()."""
-        ids, *corrections = self._corrections(self._records.values())
-        return dict(zip(ids, voxnav.submap_bends(*corrections, self.config.max_bend_m))) if ids else {}
+        ids, spans_s, T_O_S, T_W_S = self._corrections(self._records.values())
+        return dict(zip(ids, voxnav.submap_bends(spans_s, T_O_S, T_W_S, self.config.max_bend_m))) if ids else {}
 
-    def _corrections(self, records):
+    def _corrections(self, records: Iterable[SubmapRecord]) -> tuple[list[int], Array, Array, Array]:
         """Ids, time spans (k, 2), T_O_S and T_W_S (k, 4, 4) of those whose middles rise."""
         poses, kept, last_s = self._graph.poses(), [], -math.inf
         for record in records:
@@ -169,30 +211,30 @@ class OptimizerSession:
         return ([r.id for r in kept], np.array([(r.start_s, r.end_s) for r in kept]),
                 np.array([voxnav.gravity_aligned(r.T_O_S) for r in kept]), np.array([poses[r.id] for r in kept]))
 
-    def _odometry_information(self, gap_s):
+    def _odometry_information(self, gap_s: float) -> Array:
         c = self.config
         xy = math.hypot(c.odometry_xy_m, c.odometry_xy_mps * gap_s)
         z = math.hypot(c.odometry_z_m, c.odometry_z_mps * gap_s)
         yaw = math.hypot(c.odometry_yaw_rad, c.odometry_yaw_radps * gap_s)
         return np.diag([xy ** -2, xy ** -2, z ** -2, yaw ** -2])
 
-    def _attach_fixes(self, record):
+    def _attach_fixes(self, record: SubmapRecord) -> None:
         lever = np.array(self.config.gnss_lever_arm_m)
         for fix in _take_spread(self._fixes, record, self.config.gnss_per_submap):
-            p_S = (body_pose_at(record, fix.stamp_s) @ np.append(lever, 1.0))[:3]
+            p_S = (_known_pose(record, fix.stamp_s) @ np.append(lever, 1.0))[:3]
             covariance = fix.covariance + np.eye(3) * self.config.gnss_min_sigma_m ** 2
             self._graph.add_gnss_position(record.id, p_S, fix.p_G, covariance)
 
-    def _attach_heights(self, record):
+    def _attach_heights(self, record: SubmapRecord) -> None:
         for height in _take_spread(self._heights, record, self.config.heights_per_submap):
-            p_S = body_pose_at(record, height.stamp_s)[:3, 3]
+            p_S = _known_pose(record, height.stamp_s)[:3, 3]
             if self._height_offset is None:
                 # The level of the heights is whatever makes the first one agree with the map.
                 self._height_offset = (self._graph.poses()[record.id] @ np.append(p_S, 1.0))[2] - height.height_m
             self._graph.add_height(record.id, p_S, height.height_m + self._height_offset, self.config.height_sigma_m)
 
-    def _attach_loops(self):
-        waiting = collections.deque()
+    def _attach_loops(self) -> None:
+        waiting: collections.deque[Loop] = collections.deque()
         newest_s = next(reversed(self._records.values())).end_s if self._records else -math.inf
         for loop in self._loops:
             a, b = self._record_at(loop.stamp_a_s), self._record_at(loop.stamp_b_s)
@@ -204,19 +246,19 @@ class OptimizerSession:
             elif a.id == b.id:
                 self.dropped["loop"] += 1
             else:
-                T_a_b, information = loop_between_submaps(body_pose_at(a, loop.stamp_a_s),
-                                                          body_pose_at(b, loop.stamp_b_s), loop.T_A_B, loop.covariance)
+                T_a_b, information = loop_between_submaps(_known_pose(a, loop.stamp_a_s),
+                                                          _known_pose(b, loop.stamp_b_s), loop.T_A_B, loop.covariance)
                 self._graph.add_relative_pose(a.id, b.id, T_a_b, information, voxnav.ConstraintKind.LOOP)
         self._loops = waiting
 
-    def _record_at(self, stamp_s):
+    def _record_at(self, stamp_s: float) -> SubmapRecord | None:
         for record in reversed(self._records.values()):
             if body_pose_at(record, stamp_s) is not None:
                 return record
         return None
 
 
-def _take_spread(pending, record, limit):
+def _take_spread(pending: collections.deque[Any], record: SubmapRecord, limit: int) -> list[Any]:
     """Remove what is not newer than the submap from `pending` and return up to `limit` of its time, spread evenly."""
     inside = []
     while pending and pending[0].stamp_s <= record.end_s:

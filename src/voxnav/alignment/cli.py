@@ -41,8 +41,9 @@ def evaluate(scenario: Scenario, seed: int, out: str, flights: str | None) -> di
     draw_errors(os.path.join(out, name + ".png"), "%s, seed %d" % (scenario.about, seed), flight, solved)
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)
     half_voxel_m = 0.2
-    sides = {"before": ({r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows]),
-             "after": (solved.session.graph.poses(), solved.session.bends(), solved.T_W_B)}
+    sides: dict[str, Any] = {
+        "before": ({r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows]),
+        "after": (solved.session.graph.poses(), solved.session.bends(), solved.T_W_B)}
     own, merged = ({key: aligned_surface(surface(flight, T_W_S, bends), T_est, solved.T_true)
                     for key, (T_W_S, bends, T_est) in sides.items()} for surface in (own_surface, merged_surface))
     if hasattr(world, "trunks"):

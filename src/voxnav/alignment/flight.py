@@ -102,8 +102,8 @@ def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
         os.makedirs(folder, exist_ok=True)
         flight = fly(scenario, seed)
         with open(path + ".part", "wb") as out:
-            kept = [(tuple(record), submap.to_bytes()) for record, submap in flight.submaps]
-            pickle.dump((flight.stamps_s, flight.T_W_B, flight.T_O_B, kept), out)
+            rows = [(tuple(record), submap.to_bytes()) for record, submap in flight.submaps]
+            pickle.dump((flight.stamps_s, flight.T_W_B, flight.T_O_B, rows), out)
         os.replace(path + ".part", path)
     with open(path, "rb") as source:
         stamps_s, T_W_B, T_O_B, kept = pickle.load(source)

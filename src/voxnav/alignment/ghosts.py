@@ -82,9 +82,10 @@ def evaluate(seed: int, drift_m: float, picture: str | None = None) -> list[tupl
     first = [item for item in flight.submaps if item[0].end_s < moved_at_s[0]]
     rows, true = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6), solved.T_true
     out: list[tuple[Any, ...]] = []
-    for name, poses, bends, T_est, slack_m in (
-            ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
-            ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)):
+    sides: list[tuple[str, dict[int, Array], dict[int, Array], Array, float]] = [
+        ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
+        ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)]
+    for name, poses, bends, T_est, slack_m in sides:
         old = aligned_surface(_map_of(first, poses, bends)[1], T_est, true)
         collection, points = _map_of(flight.submaps, poses, bends)
         points = aligned_surface(points, T_est, true)

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rosbags as a stream of records (see ``datasets``)."""
 
+from __future__ import annotations
+
 import os
 import shutil
 import tempfile
+from typing import Any, Iterator
 
 import numpy as np
 
 import voxnav
+from voxnav.array_types import Array
 from voxnav.offline.datasets import DatasetError, Imu, Odometry, Scan
 
 # Messages that are looked through for the sensor's mount.
@@ -16,7 +20,7 @@ _MAX_STATIC_TRANSFORMS = 1000
 _CLOUD, _ODOMETRY, _IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
 
 
-def _open(path, warnings):
+def _open(path: str, warnings: list[str]) -> tuple[Any, str | None]:
     """A readable bag. One without an index (truncated, not closed) is repaired in a temporary copy."""
     import rosbag  # here, so that raw scan folders need no ROS
 
@@ -43,7 +47,7 @@ def _open(path, warnings):
     return repaired, copy.name
 
 
-def _pose(msg):
+def _pose(msg: Any) -> Array:
     """(4, 4) of a Transform."""
     q, p = msg.rotation, msg.translation
     return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
@@ -57,8 +61,9 @@ class Bag:
     Raises DatasetError.
     """
 
-    def __init__(self, path, cloud_topic="", odometry_topic="", imu_topic="", T_B_L=None, use_odometry=True):
-        self.warnings = []
+    def __init__(self, path: str, cloud_topic: str = "", odometry_topic: str = "", imu_topic: str = "",
+                 T_B_L: Array | None = None, use_odometry: bool = True) -> None:
+        self.warnings: list[str] = []
         self._bag, self._copy = _open(path, self.warnings)
         self.cloud_topic = self._topic(_CLOUD, cloud_topic, required=True)
         self.odometry_topic = self._topic(_ODOMETRY, odometry_topic) if use_odometry else ""
@@ -67,12 +72,12 @@ class Bag:
         self.num_scans = self._bag.get_message_count(topic_filters=[self.cloud_topic])
         self.T_B_L = self._mount() if T_B_L is None else T_B_L
 
-    def close(self):
+    def close(self) -> None:
         self._bag.close()
         if self._copy:
             os.unlink(self._copy)
 
-    def _topic(self, kind, wanted, required=False):
+    def _topic(self, kind: str, wanted: str, required: bool = False) -> str:
         topics = self._bag.get_type_and_topic_info().topics
         found = sorted(name for name, info in topics.items() if info.msg_type == kind and info.message_count > 0)
         if wanted:
@@ -85,12 +90,12 @@ class Bag:
             return ""
         if len(found) > 1:
             self.warnings.append("several topics of type %s, taking %s of %s" % (kind, found[0], found))
-        return found[0]
+        return str(found[0])
 
-    def _first(self, topic):
+    def _first(self, topic: str) -> Any:
         return next((msg for _, msg, _ in self._bag.read_messages(topics=[topic])), None)
 
-    def _mount(self):
+    def _mount(self) -> Array:
         """T_B_L from the frames that cloud and odometry (or IMU) name."""
         cloud, body = self._first(self.cloud_topic).header.frame_id, ""
         if self.odometry_topic:
@@ -112,7 +117,7 @@ class Bag:
                              "origin; give run/mount_position_m and run/mount_rpy_rad" % (body, cloud))
         return np.eye(4)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Imu | Odometry | Scan]:
         topics = [t for t in (self.cloud_topic, self.odometry_topic, self.imu_topic) if t]
         for topic, msg, _ in self._bag.read_messages(topics=topics):
             stamp_ns = msg.header.stamp.to_nsec()

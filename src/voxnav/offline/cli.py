@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``scripts/map_bag``: map a recording as fast as the machine allows."""
 
+from __future__ import annotations
+
 import argparse
 import os
 import sys
 import time
+from typing import Any, Sequence
 
 import numpy as np
 import yaml
 
 import voxnav
 from voxnav import files
+from voxnav.array_types import Array, ArrayLike
 from voxnav.demo.mission import repository_file
 from voxnav.offline.bag import Bag
 from voxnav.offline.configs import load_configs
@@ -22,10 +26,10 @@ from voxnav.offline.runner import OfflineMapper
 class ProgressBar:
     """One line on the terminal; a line every tenth of the way where the output is not a terminal."""
 
-    def __init__(self, total):
+    def __init__(self, total: int) -> None:
         self._total, self._started, self._last = max(total, 1), time.monotonic(), -1
 
-    def update(self, done):
+    def update(self, done: int) -> None:
         share = min(done / self._total, 1.0)
         step = int(share * (200 if sys.stderr.isatty() else 10))
         if step == self._last:
@@ -40,7 +44,7 @@ class ProgressBar:
         sys.stderr.flush()
 
 
-def arguments(argv):
+def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="map_bag", description=__doc__)
     parser.add_argument("bag", nargs="?", help="rosbag with clouds, and odometry and IMU where there are any")
     parser.add_argument("--scans", metavar="DIR", help="instead of a bag: folder with scans/%%06d.bin and times.txt")
@@ -55,7 +59,7 @@ def arguments(argv):
     return args
 
 
-def rotation_from_rpy(rpy_rad):
+def rotation_from_rpy(rpy_rad: ArrayLike) -> Array:
     """(3, 3) rotation of fixed-axis roll, pitch, yaw."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
     return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -63,7 +67,7 @@ def rotation_from_rpy(rpy_rad):
                      [-sp, cp * sr, cp * cr]])
 
 
-def _configs(path):
+def _configs(path: str | None) -> dict[str, Any]:
     with open(repository_file("config/map_bag.yaml")) as source:
         tree = yaml.safe_load(source) or {}
     if path:
@@ -76,7 +80,7 @@ def _configs(path):
     return load_configs(tree)
 
 
-def _mount(settings):
+def _mount(settings: voxnav.OfflineConfig) -> Array | None:
     """T_B_L as configured, or None when it is not."""
     if not np.any(settings.mount_position_m) and not np.any(settings.mount_rpy_rad):
         return None
@@ -86,7 +90,7 @@ def _mount(settings):
     return T_B_L
 
 
-def _dataset(args, settings):
+def _dataset(args: argparse.Namespace, settings: voxnav.OfflineConfig) -> tuple[ScanFolder | Bag, Array]:
     """The recording, and T_B_L."""
     T_B_L = _mount(settings)
     if args.scans:
@@ -96,7 +100,7 @@ def _dataset(args, settings):
     return bag, bag.T_B_L
 
 
-def run(args):
+def run(args: argparse.Namespace) -> dict[str, Any]:
     configs = _configs(args.config)
     settings = configs["run"]
     dataset, T_B_L = _dataset(args, settings)
@@ -119,7 +123,7 @@ def run(args):
     return write_outputs(mapper, args.out, title, settings.safety_distance_m, settings.write_mesh, reference)
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     try:
         metrics = run(args)

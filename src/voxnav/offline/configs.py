@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Configuration of the offline runner: one YAML section per part."""
 
+from __future__ import annotations
+
+from typing import Any, Dict
+
 import voxnav
 
-SECTIONS = {
+SECTIONS: Dict[str, Any] = {
     "run": voxnav.OfflineConfig,
     "filter": voxnav.CloudFilterConfig,
     "open_beams": voxnav.OpenBeamsConfig,
@@ -18,12 +22,13 @@ SECTIONS = {
 }
 
 
-def load_configs(tree):
+def load_configs(tree: Any) -> dict[str, Any]:
     """Configuration objects by section from a dict as YAML gives it.
 
     Raises voxnav.ConfigError listing every problem of every section; unknown sections are problems too.
     """
-    problems, configs = [], {}
+    problems: list[str] = []
+    configs: dict[str, Any] = {}
     if not isinstance(tree, dict):
         raise voxnav.ConfigError("the configuration must be a mapping of sections")
     for name, config_class in SECTIONS.items():

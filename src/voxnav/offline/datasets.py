@@ -6,19 +6,42 @@ A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in the order 
 but could be passed over.
 """
 
-import collections
+from __future__ import annotations
+
 import os
+from typing import Any, Iterator, NamedTuple
 
 import numpy as np
 
 from voxnav import files
+from voxnav.array_types import Array
 
-# stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) of an organised scan;
-# raw: message with its field layout instead of points; T_O_L: (4, 4), one pose for the whole scan, or None.
-Scan = collections.namedtuple("Scan", "stamp_ns points raw T_O_L")
-Imu = collections.namedtuple("Imu", "stamp_ns gyro accel")
-# Pose of the body as the recording has it: position (3,) [m] and quaternion (4,) x y z w.
-Odometry = collections.namedtuple("Odometry", "stamp_ns position q_xyzw")
+
+class Scan(NamedTuple):
+    """One cloud. stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the
+    scan is organised; raw: message with its field layout instead of points; T_O_L: (4, 4), one pose for the scan."""
+
+    stamp_ns: int
+    points: Array | None
+    raw: Any
+    T_O_L: Array | None
+
+
+class Imu(NamedTuple):
+    """One IMU sample: rotation rate [rad/s] and specific force [m/s^2], both (3,)."""
+
+    stamp_ns: int
+    gyro: Array
+    accel: Array
+
+
+class Odometry(NamedTuple):
+    """Pose of the body as the recording has it: position [m] and quaternion x y z w."""
+
+    stamp_ns: int
+    position: tuple[float, float, float]
+    q_xyzw: tuple[float, float, float, float]
+
 
 
 MAX_WARNINGS = 1000
@@ -34,8 +57,8 @@ class ScanFolder:
     Raises DatasetError naming the file when something is missing, truncated or of another length.
     """
 
-    def __init__(self, directory, poses=None):
-        self.warnings = []
+    def __init__(self, directory: str, poses: str | None = None) -> None:
+        self.warnings: list[str] = []
         self._scan_dir = os.path.join(directory, "scans")
         if not os.path.isdir(self._scan_dir):
             raise DatasetError("%s: no folder scans/ in it" % directory)
@@ -47,7 +70,7 @@ class ScanFolder:
         self.num_scans = len(self._names)
         self.has_poses = poses is not None
 
-    def _read_times(self, path):
+    def _read_times(self, path: str) -> Array:
         if not os.path.exists(path):
             self.warnings.append("no times.txt: scans are taken to be 0.1 s apart")
             return np.arange(len(self._names)) * 0.1
@@ -59,7 +82,7 @@ class ScanFolder:
             raise DatasetError("%s: %d times for %d scans" % (path, len(stamps), len(self._names)))
         return stamps[:len(self._names)]
 
-    def _poses_at(self, path):
+    def _poses_at(self, path: str) -> list[Array | None]:
         stamps, poses = files.read_tum(path)
         out = []
         for stamp in self._stamps:
@@ -69,7 +92,7 @@ class ScanFolder:
             out.append(poses[nearest])
         return out
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Scan]:
         for name, stamp, pose in zip(self._names, self._stamps, self._poses):
             path = os.path.join(self._scan_dir, name)
             rows, surplus = divmod(os.path.getsize(path), 16)

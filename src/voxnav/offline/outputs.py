@@ -39,8 +39,9 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
     mapper.map.save_octomap(os.path.join(directory, "map.ot"))
     with mapper.stages.time("save"):
         mapper.collection.save(os.path.join(directory, "map"))
-    metrics = {"stages": mapper.stages.summary(), "memory": mapper.memory, "warnings": mapper.warnings[:1000],
-               "counts": dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))}
+    counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))
+    metrics: dict[str, Any] = {"stages": mapper.stages.summary(), "memory": mapper.memory,
+                               "warnings": mapper.warnings[:1000], "counts": counts}
     if reference is not None:
         metrics["errors"] = _errors(reference, mapper.stamps, odometry, stamps, optimised)
     with open(os.path.join(directory, "metrics.json"), "w") as out:

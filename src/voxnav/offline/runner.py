@@ -1,24 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Filter, local map, submaps and graph over a recording, one scan after the other, deterministically."""
 
+from __future__ import annotations
+
 import contextlib
 import time
+from typing import Any, Iterator
 
 import numpy as np
 
 import voxnav
-from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry
+from voxnav.array_types import Array
+from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry, Scan
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
 
 
 class Stages:
     """Wall and CPU time of every stage, in constant memory."""
 
-    def __init__(self):
-        self._stages = {}
+    def __init__(self) -> None:
+        self._stages: dict[str, voxnav.StageStatistics] = {}
 
     @contextlib.contextmanager
-    def time(self, name):
+    def time(self, name: str) -> Iterator[None]:
         wall, cpu = time.monotonic(), time.process_time()
         try:
             yield
@@ -26,7 +30,7 @@ class Stages:
             self._stages.setdefault(name, voxnav.StageStatistics()).add(
                 1e3 * (time.monotonic() - wall), 1e3 * (time.process_time() - cpu))
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         out = {name: stage.summary() for name, stage in self._stages.items()}
         for numbers in out.values():
             for key in ("latency_mean_ms", "latency_p99_ms"):  # a recording has no latency
@@ -34,7 +38,7 @@ class Stages:
         return out
 
 
-def _record_of(finished):
+def _record_of(finished: voxnav.FinishedSubmap) -> SubmapRecord:
     """A FinishedSubmap for the graph, with its poses as they arrive at an optimiser that is a node of its own."""
     poses = np.array([voxnav.as_sent(T) for T in finished.T_S_B]).reshape(-1, 4, 4)
     return SubmapRecord(finished.submap_id, finished.start, finished.stamp, voxnav.as_sent(finished.T_O_S),
@@ -48,7 +52,7 @@ class OfflineMapper:
     T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording brings poses; else LiDAR odometry finds them.
     """
 
-    def __init__(self, configs, T_B_L, has_poses):
+    def __init__(self, configs: dict[str, Any], T_B_L: Array, has_poses: bool) -> None:
         source = configs["run"].pose_source
         self._uses_odometry = source == voxnav.PoseSource.LIDAR or (source == voxnav.PoseSource.AUTO and not has_poses)
         self._assembler = voxnav.SubmapAssembler(configs["submap"])
@@ -60,22 +64,24 @@ class OfflineMapper:
         self.session = OptimizerSession(configs["graph"], configs["optimizer"])
         self.collection = voxnav.SubmapCollection(configs["collection"])
         self.stages = Stages()
-        self.warnings, self.memory = [], []
-        self.stamps, self.poses = [], []
+        self.warnings: list[str] = []
+        self.memory: list[dict[str, float]] = []
+        self.stamps: list[float] = []
+        self.poses: list[Array] = []
         self.counts = {"scans": 0, "scans_without_pose": 0, "points_in": 0, "points_kept": 0, "submaps": 0, "solves": 0}
 
-    def _mapper_config(self, configs):
-        out = configs["mapper"]
+    def _mapper_config(self, configs: dict[str, Any]) -> voxnav.MapperConfig:
+        out: voxnav.MapperConfig = configs["mapper"]
         out.map, out.submap = configs["map"], configs["schedule"]
         out.odometry = configs["odometry"] if self._uses_odometry else None
         return out
 
     @property
-    def map(self):
+    def map(self) -> voxnav.LocalMap:
         """The local map."""
         return self.mapper.map
 
-    def add(self, record):
+    def add(self, record: Imu | Odometry | Scan) -> None:
         """One record of a dataset: an IMU sample, a pose of the body or a scan."""
         if isinstance(record, Imu):
             self._add_imu(record)
@@ -88,7 +94,7 @@ class OfflineMapper:
             self._add_scan(record)
         self._map_ready()
 
-    def finish(self):
+    def finish(self) -> voxnav.OptimizeReport:
         """Close the open submap and solve once more, with everything."""
         self.mapper.end_input()
         self._map_ready()
@@ -100,12 +106,12 @@ class OfflineMapper:
         self._place_submaps()
         return report
 
-    def _add_imu(self, imu):
+    def _add_imu(self, imu: Imu) -> None:
         timer = self.stages.time("odometry") if self.mapper.is_waiting_for_imu else contextlib.nullcontext()
         with timer:
             self.mapper.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
 
-    def _add_scan(self, scan):
+    def _add_scan(self, scan: Scan) -> None:
         with self.stages.time("filter"):
             filtered, open_beams = self._filter(scan)
             sweep = filtered.sweep(scan.stamp_ns, open_beams)
@@ -113,10 +119,10 @@ class OfflineMapper:
         self.counts["points_kept"] += filtered.counts["kept"]
         timer = self.stages.time("odometry") if self._uses_odometry else contextlib.nullcontext()
         with timer:
-            is_located = scan.T_O_L is not None and not self._uses_odometry
-            self.mapper.queue_sweep(sweep, scan.T_O_L @ self._T_L_B if is_located else None)
+            T_O_L = None if self._uses_odometry else scan.T_O_L
+            self.mapper.queue_sweep(sweep, None if T_O_L is None else T_O_L @ self._T_L_B)
 
-    def _filter(self, scan):
+    def _filter(self, scan: Scan) -> tuple[voxnav.FilterResult, Array | None]:
         """FilterResult, and the open beams (k, 3) or None."""
         if scan.raw is None:
             return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32)), None
@@ -126,7 +132,7 @@ class OfflineMapper:
         filtered = self.filter.apply_raw(scan.raw.data, layout, stamp_ns=scan.stamp_ns)
         return filtered, self._open_beams.find(scan.raw.data, layout) if self._open_beams else None
 
-    def _map_ready(self):
+    def _map_ready(self) -> None:
         """Map the scans whose poses are known by now."""
         while self.mapper.has_next():
             with self.stages.time("local map"):
@@ -141,7 +147,7 @@ class OfflineMapper:
                 self.counts["scans_without_pose"] += 1
                 self._warn("scan %.6f left out: %s" % (step.stamp, step.reason))
 
-    def _note(self, step):
+    def _note(self, step: Any) -> None:
         with self.stages.time("submap schedule"):
             handovers = self.mapper.close_due()
         for handover in handovers:
@@ -151,11 +157,11 @@ class OfflineMapper:
         self.counts["scans"] += 1
         self._note_memory(step.stamp)
 
-    def _warn(self, text):
+    def _warn(self, text: str) -> None:
         if len(self.warnings) < MAX_WARNINGS:
             self.warnings.append(text)
 
-    def _take(self, handover):
+    def _take(self, handover: voxnav.Handover) -> None:
         """A part of a submap, or the last of it: then it is filled and put into the graph, which is solved."""
         with self.stages.time("submap fill"):
             result = self._assembler.add(handover.as_sent())
@@ -174,13 +180,13 @@ class OfflineMapper:
         self.counts["submaps"] += 1
         self.counts["solves"] += 1
 
-    def _place_submaps(self):
+    def _place_submaps(self) -> None:
         """With poses as they arrive when the optimiser is a node of its own: the map is to be the same then."""
         poses = {i: voxnav.as_sent(T) for i, T in self.session.graph.poses().items()}
         bends = {i: np.array([voxnav.as_sent(T) for T in ends]) for i, ends in self.session.bends().items()}
         self.collection.set_poses(poses, bends)
 
-    def _note_memory(self, stamp):
+    def _note_memory(self, stamp: float) -> None:
         time_s = stamp - self.stamps[0]
         if self.memory and time_s - self.memory[-1]["time_s"] < 1.0:
             return

@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Made by scripts/dev/make_stubs; do not edit.
+import enum
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Tuple, overload
+
+from voxnav.array_types import Array
+
+class BeamModel(str, enum.Enum):
+    OS0_128 = "os0-128"
+    OS0_64 = "os0-64"
+    OS0_32 = "os0-32"
+    OS1_16 = "os1-16"
+    OS1_64 = "os1-64"
+    VLP_16 = "vlp-16"
+    CUSTOM = "custom"
+
+CLASSES: Dict[Any, Any]
+
+class ConstraintSet(str, enum.Enum):
+    SLOW = "slow"
+    MEDIUM = "medium"
+    FAST = "fast"
+
+class DriverLayout(str, enum.Enum):
+    OUSTER = "ouster"
+    GAZEBO = "gazebo"
+
+class GnssDriftConfig:
+    bound_m: float
+    walk_m: float
+    smoothing_s: float
+    heading_bound_rad: float
+    heading_walk_rad: float
+    def __init__(
+        self, *,
+        bound_m: float = ..., walk_m: float = ..., smoothing_s: float = ..., heading_bound_rad: float = ...,
+        heading_walk_rad: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> GnssDriftConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class ImuConfig:
+    gyro_noise: float
+    accel_noise: float
+    gyro_bias: float
+    accel_bias: float
+    gyro_bias_walk: float
+    accel_bias_walk: float
+    def __init__(
+        self, *,
+        gyro_noise: float = ..., accel_noise: float = ..., gyro_bias: float = ..., accel_bias: float = ...,
+        gyro_bias_walk: float = ..., accel_bias_walk: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> ImuConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class LidarConfig:
+    model: str
+    beam_elevations_rad: Sequence[Any]
+    columns: int
+    rate_hz: float
+    min_range_m: float
+    max_range_m: float
+    range_noise_m: float
+    dropout_ratio: float
+    signal_scale: float
+    signal_saturation: float
+    signal_noise_ratio: float
+    min_signal: float
+    ghost_ratio: float
+    ghost_max_range_m: float
+    ghost_intensity_max: float
+    sun_azimuth_rad: float
+    sun_elevation_rad: float
+    sun_half_angle_rad: float
+    mount_position_m: Sequence[float]
+    mount_rpy_rad: Sequence[float]
+    body_capsules_m: Sequence[float]
+    body_reflectance: float
+    num_threads: int
+    def __init__(
+        self, *,
+        model: str = ..., beam_elevations_rad: Sequence[Any] = ..., columns: int = ..., rate_hz: float = ...,
+        min_range_m: float = ..., max_range_m: float = ..., range_noise_m: float = ..., dropout_ratio: float = ...,
+        signal_scale: float = ..., signal_saturation: float = ..., signal_noise_ratio: float = ...,
+        min_signal: float = ..., ghost_ratio: float = ..., ghost_max_range_m: float = ...,
+        ghost_intensity_max: float = ..., sun_azimuth_rad: float = ..., sun_elevation_rad: float = ...,
+        sun_half_angle_rad: float = ..., mount_position_m: Sequence[float] = ...,
+        mount_rpy_rad: Sequence[float] = ..., body_capsules_m: Sequence[float] = ..., body_reflectance: float = ...,
+        num_threads: int = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> LidarConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class LidarModel:
+    def __init__(self, config: LidarConfig, seed: int) -> None: ...
+    def scan(self, scene: Scene, T_W_L_start: Array, T_W_L_end: Array, scan_index: int) -> Dict[Any, Any]: ...
+    @property
+    def config(self) -> LidarConfig: ...
+    @property
+    def sweep_s(self) -> float: ...
+
+class LidarSimulatorConfig:
+    world_yaml: str
+    seed: int
+    layout: str
+    sensor_frame_id: str
+    body_frame_id: str
+    max_marker_triangles: int
+    def __init__(
+        self, *,
+        world_yaml: str = ..., seed: int = ..., layout: str = ..., sensor_frame_id: str = ...,
+        body_frame_id: str = ..., max_marker_triangles: int = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> LidarSimulatorConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class Scene:
+    def __init__(self, config: WorldConfig, seed: int) -> None: ...
+    def save_ply(self, path: str) -> None: ...
+    def ground_height(self, points: Array) -> Array: ...
+    def clearance(self, points: Array, max_m: float) -> Array: ...
+    def nearest(self, points: Array, max_m: float) -> Tuple[Any, ...]: ...
+    def cast(self, origins: Array, directions: Array, max_range_m: float) -> Tuple[Any, ...]: ...
+    def move_vehicle(self, x: float, y: float, heading_rad: float) -> bool: ...
+    def vehicle_pose(self) -> Any: ...
+    def mesh(self) -> Dict[Any, Any]: ...
+    def stems(self) -> Array: ...
+    def counts(self) -> Dict[Any, Any]: ...
+    @property
+    def config(self) -> WorldConfig: ...
+    @property
+    def seed(self) -> int: ...
+
+class TrajectoryGeneratorConfig:
+    sampling_s: float
+    default_deviation_m: float
+    limit_ratio: float
+    max_waypoints: int
+    max_duration_s: float
+    max_iterations: int
+    def __init__(
+        self, *,
+        sampling_s: float = ..., default_deviation_m: float = ..., limit_ratio: float = ..., max_waypoints: int = ...,
+        max_duration_s: float = ..., max_iterations: int = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> TrajectoryGeneratorConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class Uav:
+    def __init__(self, config: UavConfig = ..., seed: int = ..., drift: GnssDriftConfig = ..., imu: ImuConfig = ..., constraints: str = ..., scene: Optional[Scene] = ...) -> None: ...
+    def step(self, duration_s: float) -> Array: ...
+    def take_off(self) -> None: ...
+    def land(self) -> None: ...
+    def hover(self) -> None: ...
+    def go_to(self, position: Any, heading_rad: float) -> None: ...
+    def set_trajectory(self, points: Array, dt_s: float = ..., use_heading: bool = ...) -> None: ...
+    def fly_through(self, waypoints: Array, max_deviation_m: float = ...) -> Array: ...
+    def set_constraints(self, name: str) -> None: ...
+    @property
+    def stamp_s(self) -> float: ...
+    @property
+    def phase(self) -> str: ...
+    @property
+    def truth(self) -> Array: ...
+    @property
+    def estimate(self) -> Array: ...
+    @property
+    def velocity(self) -> Array: ...
+    @property
+    def drift(self) -> Array: ...
+    @property
+    def has_goal(self) -> bool: ...
+    @property
+    def height_m(self) -> Optional[float]: ...
+    def prediction(self) -> Array: ...
+
+class UavConfig:
+    start_m: Sequence[float]
+    start_heading_rad: float
+    standing_height_m: float
+    take_off_height_m: float
+    rangefinder_max_m: float
+    rangefinder_noise_m: float
+    def __init__(
+        self, *,
+        start_m: Sequence[float] = ..., start_heading_rad: float = ..., standing_height_m: float = ...,
+        take_off_height_m: float = ..., rangefinder_max_m: float = ..., rangefinder_noise_m: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> UavConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class UavConstraintsConfig:
+    initial: str
+    slow_horizontal: Sequence[float]
+    slow_vertical: Sequence[float]
+    slow_heading: Sequence[float]
+    medium_horizontal: Sequence[float]
+    medium_vertical: Sequence[float]
+    medium_heading: Sequence[float]
+    fast_horizontal: Sequence[float]
+    fast_vertical: Sequence[float]
+    fast_heading: Sequence[float]
+    def __init__(
+        self, *,
+        initial: str = ..., slow_horizontal: Sequence[float] = ..., slow_vertical: Sequence[float] = ...,
+        slow_heading: Sequence[float] = ..., medium_horizontal: Sequence[float] = ...,
+        medium_vertical: Sequence[float] = ..., medium_heading: Sequence[float] = ...,
+        fast_horizontal: Sequence[float] = ..., fast_vertical: Sequence[float] = ...,
+        fast_heading: Sequence[float] = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> UavConstraintsConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class WorldConfig:
+    min_corner_m: Sequence[float]
+    size_m: Sequence[float]
+    start_m: Sequence[float]
+    goal_m: Sequence[float]
+    clear_radius_m: float
+    terrain_margin_m: float
+    terrain_cell_m: float
+    terrain_amplitude_m: float
+    terrain_wavelength_m: float
+    terrain_roughness_m: float
+    trees_per_ha: float
+    tree_spacing_m: float
+    trunk_radius_min_m: float
+    trunk_radius_max_m: float
+    trunk_lean_max_rad: float
+    conifer_ratio: float
+    crown_base_min_m: float
+    crown_base_max_m: float
+    crown_radius_max_m: float
+    branches_per_tree: int
+    low_branch_ratio: float
+    leaves_per_tree: int
+    leaf_size_m: float
+    bushes_per_ha: float
+    bush_radius_max_m: float
+    leaves_per_bush: int
+    num_poles: int
+    pole_radius_min_m: float
+    pole_radius_max_m: float
+    pole_height_m: float
+    rocks_per_ha: float
+    rock_radius_max_m: float
+    num_walls: int
+    wall_length_m: float
+    wall_height_m: float
+    num_houses: int
+    has_vehicle: bool
+    vehicle_position_m: Sequence[float]
+    vehicle_heading_rad: float
+    def __init__(
+        self, *,
+        min_corner_m: Sequence[float] = ..., size_m: Sequence[float] = ..., start_m: Sequence[float] = ...,
+        goal_m: Sequence[float] = ..., clear_radius_m: float = ..., terrain_margin_m: float = ...,
+        terrain_cell_m: float = ..., terrain_amplitude_m: float = ..., terrain_wavelength_m: float = ...,
+        terrain_roughness_m: float = ..., trees_per_ha: float = ..., tree_spacing_m: float = ...,
+        trunk_radius_min_m: float = ..., trunk_radius_max_m: float = ..., trunk_lean_max_rad: float = ...,
+        conifer_ratio: float = ..., crown_base_min_m: float = ..., crown_base_max_m: float = ...,
+        crown_radius_max_m: float = ..., branches_per_tree: int = ..., low_branch_ratio: float = ...,
+        leaves_per_tree: int = ..., leaf_size_m: float = ..., bushes_per_ha: float = ...,
+        bush_radius_max_m: float = ..., leaves_per_bush: int = ..., num_poles: int = ...,
+        pole_radius_min_m: float = ..., pole_radius_max_m: float = ..., pole_height_m: float = ...,
+        rocks_per_ha: float = ..., rock_radius_max_m: float = ..., num_walls: int = ..., wall_length_m: float = ...,
+        wall_height_m: float = ..., num_houses: int = ..., has_vehicle: bool = ...,
+        vehicle_position_m: Sequence[float] = ..., vehicle_heading_rad: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> WorldConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+def generate_trajectory(waypoints: Array, constraints: str = ..., max_deviation_m: float = ..., stop_at_waypoints: bool = ..., sampling_s: float = ...) -> Dict[Any, Any]: ...
+
+def load_world_config(path: str) -> WorldConfig: ...
