@@ -75,7 +75,8 @@ void Mapper::State::track(cloud::Sweep sweep, double now_s) {
   const odometry::OdometryResult result = odometry->add_sweep(sweep);
   if (result.is_new && result.quality.state == odometry::OdometryState::kCoasting) scheduler.request_close("odometry");
   // Before odometry has a map there is no pose to speak of.
-  if (result.is_new && odometry->num_map_voxels() > 0) own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
+  if (result.is_new && odometry->num_map_voxels() > 0)
+    own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
   push({std::move(sweep), std::nullopt, now_s, std::nullopt});
 }
 
