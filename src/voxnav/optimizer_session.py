@@ -51,7 +51,6 @@ class Height(NamedTuple):
     height_m: float
 
 
-
 def body_pose_at(record: SubmapRecord, stamp_s: float) -> Array | None:
     """Gravity-aligned T_S_B at a time, or None outside of the pose history."""
     stamps = record.stamps_s

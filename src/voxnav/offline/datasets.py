@@ -43,7 +43,6 @@ class Odometry(NamedTuple):
     q_xyzw: tuple[float, float, float, float]
 
 
-
 MAX_WARNINGS = 1000
 
 

@@ -24,7 +24,8 @@ class PlanningManager:
     """The states Idle, Planning and Moving, without ROS, threads and clocks.
 
     It is told the time [s] and what has happened, and answers with the actions to be done. Searching and services run
-    elsewhere; their answers come back by the *_done calls, and answers to jobs that no longer matter are ignored.
+    elsewhere; their answers come back by the calls ending in ``_done``, and answers to jobs that no longer matter are
+    ignored.
 
     The vehicle always holds a trajectory that ends at rest in known free space; when that is no longer so, the
     trajectory is shortened, or the vehicle brakes. Whatever is lost (odometry, map, correction, services) leads to
