@@ -37,6 +37,22 @@ def fly(out):
     return {key: value for key, value in summary.items() if key not in OF_THE_MACHINE}
 
 
+@pytest.mark.parametrize("is_leader", [False, True])
+def test_a_mission_that_finds_no_master_ends_with_a_reason(monkeypatch, is_leader):
+    mission = pytest.importorskip("voxnav.nodes.demo_mission")
+
+    def wait_in_vain(uri, timeout_s):
+        raise mission.MissionError("no ROS master at " + uri)
+
+    class Record:
+        reason = ""
+
+    monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
+    monkeypatch.setattr(mission, "wait_for_master", wait_in_vain)
+    mission.fly(Record, (1.0, 0.0, 2.0), "", is_leader=is_leader)
+    assert Record.reason == "no ROS master at http://127.0.0.1:1"
+
+
 def test_flights_are_the_same_on_an_idle_and_on_a_loaded_machine(tmp_path):
     try:
         rospkg.RosPack().get_path("voxnav")

@@ -36,7 +36,7 @@ def fly(record, goal, map_dir, uav="uav1", is_leader=False):
     is_leader: the simulator waits for this mission (its leader is "demo") and for the nodes.
     Whatever stops the mission ends up in record.reason; the map goes to the folder map_dir.
     """
-    recorder = None
+    recorder = leader = None
     try:
         wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
         rospy.init_node("demo", disable_signals=True)
@@ -48,7 +48,7 @@ def fly(record, goal, map_dir, uav="uav1", is_leader=False):
         recorder.optimise(10.0)
     except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = str(error)
-    if is_leader:
+    if leader is not None:
         leader.release()
     if recorder is not None:
         recorder.save_map(map_dir)

@@ -9,7 +9,8 @@ from voxnav.nodes.time_seam import exact_time
 
 # The stamps at which the leader stops time are multiples of this: ends of sweeps at 10 and 20 Hz.
 STEP_S = 0.1
-ANSWER_LIMIT_S = 60.0
+# Longer than the simulator waits for a silent node (lockstep_timeout_s), so that it can say which one it was.
+ANSWER_LIMIT_S = 120.0
 
 
 class TimeLeader:
