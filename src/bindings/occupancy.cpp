@@ -109,8 +109,8 @@ void bind_content(py::module_& m) {
           [](const MapContent& c) {
             std::vector<float> out;
             for (const auto& block : c.blocks) {
-              for (const auto& leaf : block.occupied) {
-                const geometry::Vec3f p = occupancy::surface_point(block.index, leaf, c.resolution_m);
+              for (const auto& voxel : block.occupied) {
+                const geometry::Vec3f p = occupancy::surface_point(block.index, voxel, c.resolution_m);
                 out.insert(out.end(), p.data(), p.data() + 3);
               }
             }

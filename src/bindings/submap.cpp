@@ -12,10 +12,10 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
-#include "submap/registration/own_surface.hpp"
 #include "submap_collection.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
+#include "voxnav/submap/registration_field.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -116,11 +116,11 @@ MapContent content_from_array(const py::array& states, const py::object& origin,
     block.index = geometry::block_of(voxel);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
     block.states.set(offset, static_cast<containers::State>(data[i]));
-    if (data[i] == 1) block.own_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+    if (data[i] == 1) block.observed_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
     if (data[i] != 2) continue;
     const auto mean = rows.next(voxel);
     const auto num_hits = static_cast<std::uint8_t>(hits);
-    block.occupied.push_back({offset, mean, num_hits, mean, num_hits});
+    block.occupied.push_back({offset, {mean, num_hits}, {mean, num_hits}});
   }
   rows.check_all_used();
   return content_of(std::move(blocks), resolution_m);
@@ -180,7 +180,8 @@ void bind_one_submap(py::module_& m) {
           "(vertices (k, 3) float32 [m, frame S], triangles (t, 3) uint32), counter-clockwise seen from free space.")
       .def("registration_field", &registration_field_of, py::arg("stamps_s") = py::none(),
            py::arg("T_S_B") = py::none(),
-           "DistanceField to register this submap by: what it saw itself, without what its local map remembered.\n\n"
+           "DistanceField to register this submap by: what it observed itself, without what its local map "
+           "remembered.\n\n"
            "stamps_s (n,), T_S_B (n, 4, 4): its pose history. With it, things seen from one side lie where their\n"
            "middles are, so that they do not go along; without, where they were hit.")
       .def_property_readonly("memory_bytes", &Submap::memory_bytes)
@@ -230,7 +231,7 @@ void bind_submap(py::module_& m) {
       "set_distance_cache_mb",
       [](int megabytes) {
         if (megabytes < 1) throw py::value_error("the cache needs at least 1 MB");
-        submap::DistanceCache::set_limit_bytes(static_cast<std::size_t>(megabytes) << 20);
+        Submap::set_distance_cache_bytes(static_cast<std::size_t>(megabytes) << 20);
       },
       py::arg("megabytes"),
       "How much of the distances around surfaces of all submaps of this process is kept at hand (24 MB at first). What "

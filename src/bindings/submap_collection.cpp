@@ -10,6 +10,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "voxnav/submap/map_export.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 
 namespace voxnav::bindings {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "submap/merged/evidence_map.hpp"
+#include "voxnav/submap/evidence_map.hpp"
 
 namespace voxnav_ros {
 

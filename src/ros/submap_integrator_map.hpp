@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "submap/obstacles/obstacle_map.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav_ros {

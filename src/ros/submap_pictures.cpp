@@ -104,12 +104,12 @@ void add_cubes(const submap::EvidenceMap& evidence, const Blocks& blocks, const 
   for (const Index3& index : blocks) {
     const submap::EvidenceBlock* block = evidence.find(index);
     if (!block) continue;
-    for (const submap::EvidenceLeaf& leaf : block->leaves) {
-      if (leaf.hits < style.min_hits) continue;
-      const Index3 voxel = voxnav::geometry::voxel_at(index, leaf.offset);
+    for (const submap::SurfaceEvidence& surface : block->points) {
+      if (surface.point.hits < style.min_hits) continue;
+      const Index3 voxel = voxnav::geometry::voxel_at(index, surface.offset);
       const Vec3 center = voxnav::geometry::center_of(voxel, evidence.resolution_m());
       marker->points.push_back(point_of(center));
-      marker->colors.push_back(to_msg(style.is_by_submap ? submap::color_of(leaf.submap_id)
+      marker->colors.push_back(to_msg(style.is_by_submap ? submap::color_of(surface.submap_id)
                                                          : submap::color_of_height(center.z(), style.heights)));
     }
   }

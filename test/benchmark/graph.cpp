@@ -11,7 +11,7 @@
 #include <string>
 
 #include "forest_flight.hpp"
-#include "submap/registration/own_surface.hpp"
+#include "voxnav/submap/registration_field.hpp"
 #include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 
@@ -125,7 +125,7 @@ void measure(int num_submaps, double drift_m) {
 int main(int argc, char** argv) {
   std::vector<int> sizes{32, 111};
   double drift_m = 1.8;
-  const auto set_cache = [](int mb) { submap::DistanceCache::set_limit_bytes(static_cast<std::size_t>(mb) << 20); };
+  const auto set_cache = [](int mb) { submap::Submap::set_distance_cache_bytes(static_cast<std::size_t>(mb) << 20); };
   set_cache(graph::OptimizerConfig{}.distance_cache_mb);
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--drift_m=", 10) == 0) drift_m = std::stod(argv[i] + 10);

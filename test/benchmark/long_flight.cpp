@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "forest_flight.hpp"
-#include "submap/obstacles/obstacle_map.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/base/stage_statistics.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "forest_flight.hpp"
-#include "submap/obstacles/obstacle_map.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 

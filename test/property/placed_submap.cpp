@@ -13,11 +13,10 @@ using geometry::Index3;
 using geometry::Pose;
 using geometry::Vec3;
 using submap::Columns;
-using submap::CompressedField;
 using submap::Knowledge;
-using submap::PlacedLeaf;
-using submap::PlacedLeaves;
+using submap::PlacedPoints;
 using submap::PlacedSubmap;
+using submap::SurfaceEvidence;
 
 namespace {
 
@@ -46,10 +45,10 @@ std::shared_ptr<submap::Submap> random_submap(unsigned seed) {
   occupancy::MapContent content = test::random_content(seed, 34, 0.03, 0.3, kVoxel);
   std::mt19937 rng(seed);
   for (occupancy::ContentBlock& block : content.blocks) {
-    for (std::uint64_t& word : block.own_free) word &= ~(rng() & rng());
-    for (occupancy::OccupiedLeaf& leaf : block.occupied) {
-      leaf.own_mean[0] = static_cast<std::int8_t>(leaf.own_mean[0] / 2);
-      if (rng() % 3 == 0) leaf.own_hits = 0;
+    for (std::uint64_t& word : block.observed_free) word &= ~(rng() & rng());
+    for (occupancy::OccupiedVoxel& leaf : block.occupied) {
+      leaf.observed.mean[0] = static_cast<std::int8_t>(leaf.observed.mean[0] / 2);
+      if (rng() % 3 == 0) leaf.observed.hits = 0;
     }
   }
   return submap::Submap::from_content(content, geometry::from_position_yaw({0.1, 0.2, 0.3}, 0.2), {});
@@ -60,49 +59,50 @@ std::vector<Index3> blocks_of(const submap::Submap& submap, const Placement& whe
   return submap::footprint(submap, {where.T_W_S}, where.resolution_m, Knowledge::kAll);
 }
 
-std::vector<Vec3> own_points(const submap::Submap& submap, const Pose& T_W_S) {
+std::vector<Vec3> observed_points(const submap::Submap& submap, const Pose& T_W_S) {
   std::vector<Vec3> out;
-  submap.field()->for_each_own_leaf(
-      [&](const Index3& voxel, const CompressedField::Leaf& leaf, std::size_t, std::uint8_t) {
-        out.push_back(T_W_S * submap.T_S_G() * Vec3(submap::surface_point(voxel, leaf) * kVoxel));
-      });
+  submap.content()->for_each_voxel([&](const Index3& index, const occupancy::OccupiedVoxel& voxel) {
+    if (voxel.observed.hits == 0) return;
+    out.push_back(T_W_S * submap.T_S_G() * Vec3(submap::surface_point(index, voxel.observed) * kVoxel));
+  });
   return out;
 }
 
-Vec3 point_of(const Index3& block, const PlacedLeaf& leaf, double resolution_m) {
+Vec3 point_of(const Index3& block, const SurfaceEvidence& leaf, double resolution_m) {
   return (Vec3(block.x, block.y, block.z) * geometry::kBlockSide + submap::local_point(leaf)) * resolution_m;
 }
 
 std::vector<Vec3> placed_points(const PlacedSubmap& placed, const std::vector<Index3>& blocks, double resolution_m) {
   std::vector<Vec3> out;
   for (const Index3& index : blocks) {
-    const PlacedLeaves::Block* block = placed.leaves().find(index);
+    const PlacedPoints::Block* block = placed.points().find(index);
     if (!block) continue;
-    for (const PlacedLeaf* leaf = placed.leaves().begin(*block); leaf != placed.leaves().end(*block); ++leaf)
+    for (const SurfaceEvidence* leaf = placed.points().begin(*block); leaf != placed.points().end(*block); ++leaf)
       out.push_back(point_of(index, *leaf, resolution_m));
   }
   return out;
 }
 
 /// Whether the submap saw free space itself at a point; nothing when it lies too close to the border of two voxels.
-std::optional<bool> is_own_free(const submap::Submap& submap, const Vec3& p_S) {
+std::optional<bool> is_observed_free(const submap::Submap& submap, const Vec3& p_S) {
   const Vec3 p = submap.T_S_G().inverse() * p_S / submap.resolution_m();
   if (((p.array() - p.array().round()).abs() < 1e-5).any()) return std::nullopt;
   const Index3 voxel = geometry::index_of(p, 1.0);
-  const int position = submap.field()->position_of(geometry::block_of(voxel));
-  if (position < 0) return false;
+  const submap::BlockStates& states = submap.content()->states();
+  const auto position = states.find(geometry::block_of(voxel));
+  if (!position) return false;
   const int offset = geometry::offset_in_block(voxel);
-  const Columns free = submap.field()->own_free(static_cast<std::size_t>(position));
+  const Columns free = states.observed_free(*position);
   return ((free[static_cast<std::size_t>(offset & 255)] >> (offset >> 8)) & 1) != 0;
 }
 
 }  // namespace
 
-TEST(PlacedSubmap, EveryOwnPointIsWhereItBelongs) {
+TEST(PlacedSubmap, EveryObservedPointIsWhereItBelongs) {
   const auto submap = random_submap(1);
   for (const Placement& where : placements()) {
-    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kOwn);
-    std::vector<Vec3> expected = own_points(*submap, where.T_W_S);
+    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kObserved);
+    std::vector<Vec3> expected = observed_points(*submap, where.T_W_S);
     std::vector<Vec3> actual = placed_points(placed, blocks_of(*submap, where), where.resolution_m);
     ASSERT_EQ(actual.size(), expected.size()) << where.name;
     ASSERT_GT(actual.size(), 300u);
@@ -121,14 +121,14 @@ TEST(PlacedSubmap, EveryOwnPointIsWhereItBelongs) {
 TEST(PlacedSubmap, ColumnsHoldTheirOwnPointsAndNoOthers) {
   const auto submap = random_submap(2);
   for (const Placement& where : placements()) {
-    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kOwn);
+    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kObserved);
     for (const Index3& index : blocks_of(*submap, where)) {
-      const PlacedLeaves::Block* block = placed.leaves().find(index);
+      const PlacedPoints::Block* block = placed.points().find(index);
       if (!block) continue;
       Columns seen{};
       std::size_t column = 0;
       std::uint32_t number = block->first.front();
-      for (const PlacedLeaf* leaf = placed.leaves().begin(*block); leaf != placed.leaves().end(*block);
+      for (const SurfaceEvidence* leaf = placed.points().begin(*block); leaf != placed.points().end(*block);
            ++leaf, ++number) {
         while (number >= block->first.at(column + 1)) ++column;
         ASSERT_EQ(leaf->offset & 255u, column) << where.name;
@@ -143,7 +143,7 @@ TEST(PlacedSubmap, SurfaceWithinADistanceEqualsBruteForce) {
   const auto submap = random_submap(3);
   std::mt19937 rng(5);
   for (const Placement& where : placements()) {
-    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kOwn);
+    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kObserved);
     const auto blocks = blocks_of(*submap, where);
     const auto points = placed_points(placed, blocks, where.resolution_m);
     int near = 0;
@@ -159,7 +159,7 @@ TEST(PlacedSubmap, SurfaceWithinADistanceEqualsBruteForce) {
       const double distance_m = 0.1 + 0.0008 * (i % 1000);  // and sometimes over several blocks
       const double reach = i % 50 == 0 ? 8.0 : distance_m;
       if (std::abs(nearest - reach) < 1e-9) continue;
-      const PlacedLeaves::Around around(placed.leaves(), index);
+      const PlacedPoints::Around around(placed.points(), index);
       ASSERT_EQ(around.has_within(p, reach / where.resolution_m), nearest < reach) << where.name << " " << i;
       near += nearest < reach;
     }
@@ -171,7 +171,7 @@ TEST(PlacedSubmap, FreeSpaceIsThatOfTheVoxelsUnderneath) {
   const auto submap = random_submap(4);
   std::mt19937 rng(6);
   for (const Placement& where : placements()) {
-    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kOwn);
+    const PlacedSubmap placed(*submap, 7, {where.T_W_S}, where.resolution_m, Knowledge::kObserved);
     const Pose T_S_W = where.T_W_S.inverse();
     int num_free = 0;
     for (const Index3& index : blocks_of(*submap, where)) {
@@ -179,23 +179,23 @@ TEST(PlacedSubmap, FreeSpaceIsThatOfTheVoxelsUnderneath) {
       Columns columns{};
       free.add_to(&columns);
       for (int i = 0; i < 200; ++i) {
-        PlacedLeaf leaf{};
+        SurfaceEvidence leaf{};
         leaf.offset = static_cast<std::uint16_t>(rng() % geometry::kBlockVolume);
         const Vec3 center = geometry::center_of(geometry::voxel_at(index, leaf.offset), where.resolution_m);
-        const auto at_center = is_own_free(*submap, T_S_W * center);
+        const auto at_center = is_observed_free(*submap, T_S_W * center);
         if (at_center) {
           ASSERT_EQ((columns[leaf.offset & 255u] >> (leaf.offset >> 8)) & 1, *at_center) << where.name;
         }
-        for (std::int8_t& c : leaf.mean) c = static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127);
+        for (std::int8_t& c : leaf.point.mean) c = static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127);
         const Vec3 p_W = point_of(index, leaf, where.resolution_m);
-        const auto here = is_own_free(*submap, T_S_W * p_W);
-        const auto below = is_own_free(*submap, T_S_W * Vec3(p_W - Vec3(0, 0, where.resolution_m)));
+        const auto here = is_observed_free(*submap, T_S_W * p_W);
+        const auto below = is_observed_free(*submap, T_S_W * Vec3(p_W - Vec3(0, 0, where.resolution_m)));
         if (here) {
-          ASSERT_EQ((free.at(leaf) & 2u) != 0, *here) << where.name;
+          ASSERT_EQ(free.is_free(leaf).at_point, *here) << where.name;
           num_free += *here;
         }
         if (below) {
-          ASSERT_EQ((free.at(leaf) & 1u) != 0, *below) << where.name;
+          ASSERT_EQ(free.is_free(leaf).below, *below) << where.name;
         }
       }
     }

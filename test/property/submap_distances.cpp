@@ -3,7 +3,7 @@
 
 #include "content_builder.hpp"
 #include "kernels/processor.hpp"
-#include "submap/distance/distance_block.hpp"
+#include "submap/distance/derive_distances.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -96,7 +96,7 @@ TEST_P(SubmapDistances, EveryInstructionSetGivesTheSame) {
     std::vector<float> out;
     for (const auto& p : field->surface_points()) out.insert(out.end(), {p.normal.x(), p.normal.y(), p.normal.z()});
     for (const auto& block : content.blocks) {
-      const auto distances = submap::derive_distances(*field->field(), block.index);
+      const auto distances = submap::derive_distances(*field->content(), block.index);
       std::array<float, 8> corners;
       for (int i = 0; i < geometry::kBlockVolume; ++i) {
         const bool is_known = distances && distances->corners((i & 15) - 1, (i >> 4 & 15) - 1, (i >> 8) - 1, &corners);

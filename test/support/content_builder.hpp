@@ -24,12 +24,12 @@ class ContentBuilder {
     put(voxel, containers::State::kOccupied, offset, hits);
   }
   /// A voxel that is only remembered.
-  void set_remembered(const geometry::Index3& voxel) { voxels_.at(voxel).leaf.own_hits = 0; }
+  void set_remembered(const geometry::Index3& voxel) { voxels_.at(voxel).voxel.observed.hits = 0; }
   /// An occupied voxel that was only remembered, as far as registration is concerned, or seen elsewhere by the submap.
-  void set_own(const geometry::Index3& voxel, const geometry::Vec3& offset, int hits) {
-    occupancy::OccupiedLeaf& leaf = voxels_.at(voxel).leaf;
-    for (int k = 0; k < 3; ++k) leaf.own_mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
-    leaf.own_hits = static_cast<std::uint8_t>(hits);
+  void set_observed(const geometry::Index3& voxel, const geometry::Vec3& offset, int hits) {
+    occupancy::VoxelPoint& observed = voxels_.at(voxel).voxel.observed;
+    for (int k = 0; k < 3; ++k) observed.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
+    observed.hits = static_cast<std::uint8_t>(hits);
   }
   bool is_set(const geometry::Index3& voxel) const { return voxels_.count(voxel) != 0; }
 
@@ -38,12 +38,12 @@ class ContentBuilder {
     for (const auto& [voxel, value] : voxels_) {
       occupancy::ContentBlock& block = blocks[geometry::block_of(voxel)];
       block.index = geometry::block_of(voxel);
-      occupancy::OccupiedLeaf leaf = value.leaf;
-      leaf.offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
-      block.states.set(leaf.offset, value.state);
-      if (value.state == containers::State::kOccupied) block.occupied.push_back(leaf);
-      if (value.state == containers::State::kFree && value.leaf.own_hits > 0)
-        block.own_free[leaf.offset >> 6] |= std::uint64_t{1} << (leaf.offset & 63);
+      occupancy::OccupiedVoxel occupied = value.voxel;
+      occupied.offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
+      block.states.set(occupied.offset, value.state);
+      if (value.state == containers::State::kOccupied) block.occupied.push_back(occupied);
+      if (value.state == containers::State::kFree && occupied.observed.hits > 0)
+        block.observed_free[occupied.offset >> 6] |= std::uint64_t{1} << (occupied.offset & 63);
     }
     occupancy::MapContent content;
     content.resolution_m = resolution_m_;
@@ -58,14 +58,13 @@ class ContentBuilder {
  private:
   struct Voxel {
     containers::State state;
-    occupancy::OccupiedLeaf leaf;
+    occupancy::OccupiedVoxel voxel;
   };
   void put(const geometry::Index3& voxel, containers::State state, const geometry::Vec3& offset, int hits) {
     Voxel value{state, {}};
-    for (int k = 0; k < 3; ++k) value.leaf.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
-    value.leaf.hits = static_cast<std::uint8_t>(hits);
-    value.leaf.own_mean = value.leaf.mean;
-    value.leaf.own_hits = value.leaf.hits;
+    for (int k = 0; k < 3; ++k) value.voxel.believed.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
+    value.voxel.believed.hits = static_cast<std::uint8_t>(hits);
+    value.voxel.observed = value.voxel.believed;
     voxels_[voxel] = value;
   }
 

@@ -11,16 +11,25 @@
 
 namespace voxnav::occupancy {
 
-/// One occupied leaf with what is known of the surface inside it.
-struct OccupiedLeaf {
-  std::uint16_t offset;  ///< geometry::offset_in_block()
-  std::array<std::int8_t, 3>
-      mean;           ///< mean hit point from the voxel centre, unit voxel edge / 254 (so +-127 is the face)
-  std::uint8_t hits;  ///< scans that hit the voxel, saturates at 255
-  // The same of the hits since the last handover: what the submap saw itself. own_hits = 0: only remembered.
-  std::array<std::int8_t, 3> own_mean{};
-  std::uint8_t own_hits = 0;
-  std::uint8_t own_time = 128;  ///< mean time of these hits: 0 right after the last handover, 255 at this one
+/// Where the surface goes through an occupied voxel: the mean of the hits in it, quantised.
+struct VoxelPoint {
+  /// From the voxel centre in steps of 1/254 of a voxel edge, so that +-127 is the face of the voxel.
+  std::array<std::int8_t, 3> mean{};
+  std::uint8_t hits = 0;  ///< scans that hit the voxel, saturates at 255
+  friend bool operator==(const VoxelPoint& a, const VoxelPoint& b) { return a.mean == b.mean && a.hits == b.hits; }
+};
+
+/// Of a time of hits that is not known: the middle between two handovers.
+constexpr std::uint8_t kUnknownTime = 128;
+
+/// One occupied voxel on its way from the local map into a submap, and as the submap keeps it.
+struct OccupiedVoxel {
+  std::uint16_t offset = 0;  ///< geometry::offset_in_block()
+  VoxelPoint believed;       ///< of all hits that the local map remembers
+  /// Of the hits since the last handover alone: what the submap observed itself. No hits: it is only remembered.
+  /// Submaps are registered by these points, because what two of them inherited says nothing about where they lie.
+  VoxelPoint observed;
+  std::uint8_t observed_time = kUnknownTime;  ///< mean time of these hits: 0 after the last handover, 255 at this one
 };
 
 /// One bit per voxel of a block, in words of 64 voxels.
@@ -30,9 +39,9 @@ using VoxelBits = std::array<std::uint64_t, geometry::kBlockVolume / 64>;
 struct ContentBlock {
   geometry::Index3 index;  ///< block index in the map's grid
   containers::StateBlock states;
-  std::vector<OccupiedLeaf> occupied;  ///< sorted by offset; exactly the voxels whose state is occupied
-  /// Free voxels that were looked at since the last handover; other free ones are only remembered.
-  VoxelBits own_free{};
+  std::vector<OccupiedVoxel> occupied;  ///< sorted by offset; exactly the voxels whose state is occupied
+  /// Free voxels that rays crossed since the last handover; other free ones are only remembered.
+  VoxelBits observed_free{};
 };
 
 /// Everything the local map knows, in the form in which it is handed to a submap. Coordinates are
@@ -54,7 +63,7 @@ struct MapContent {
   static MapContent from_bytes(const std::string& bytes);
 };
 
-/// Surface point of an occupied leaf, in the grid's frame.
-geometry::Vec3f surface_point(const geometry::Index3& block, const OccupiedLeaf& leaf, double resolution_m);
+/// The point that is believed of an occupied voxel, in the frame of the grid [m].
+geometry::Vec3f surface_point(const geometry::Index3& block, const OccupiedVoxel& voxel, double resolution_m);
 
 }  // namespace voxnav::occupancy

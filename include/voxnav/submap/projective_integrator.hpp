@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "voxnav/submap/submap.hpp"
@@ -75,6 +74,7 @@ class ProjectiveIntegrator {
   };
 
   explicit ProjectiveIntegrator(const ProjectiveConfig& config);
+  ~ProjectiveIntegrator();
 
   /// Fuse one scan. @param points_L sensor frame, m; n may be 0  @param T_S_L pose at scan time
   /// @throws std::invalid_argument on an invalid pose
@@ -90,38 +90,8 @@ class ProjectiveIntegrator {
   std::shared_ptr<Submap> finish(const SubmapConfig& config, const geometry::Pose& T_S_G = geometry::Pose::Identity());
 
  private:
-  struct Voxel {
-    float distance = 0.f;  ///< m
-    float weight = 0.f;
-    std::uint32_t mark = 0;  ///< number of the last scan that came here, and what it did: kSeen, kEnd
-  };
-  using Block = std::array<Voxel, geometry::kBlockVolume>;
-  static constexpr std::uint32_t kSeen = 1;  ///< a ray went through
-  static constexpr std::uint32_t kEnd = 2;   ///< a point lies here
-  struct Ray {
-    geometry::Vec3 end;
-    float weight;
-    bool is_clearing;
-  };
-
-  std::vector<Ray> rays_of(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L,
-                           Counts* counts) const;
-  void merge(std::vector<Ray>* rays);
-  void thin(std::vector<Ray>* rays);
-  void mark_ends(const std::vector<Ray>& rays);
-  void cast(const geometry::Vec3& origin, const Ray& ray, Counts* counts);
-  enum class Visit { kRefused, kLeftAlone, kNew, kSeen };
-  Visit update(double distance, float weight, bool is_own_end, Voxel* voxel) const;
-  void fuse(float distance, float weight, Voxel* voxel) const;
-  Block* open(const geometry::Index3& block);
-  FilledBlock fill(const geometry::Index3& index, const Block& block) const;
-  bool observed(const geometry::Index3& index, float* distance) const;
-  bool has_free_neighbor(const geometry::Index3& index) const;
-  bool gradient(const geometry::Index3& index, float distance, geometry::Vec3f* out) const;
-
-  ProjectiveConfig config_;
-  std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
-  std::uint32_t scan_ = 0;  ///< 30 bits, never 0
+  class Volume;
+  std::unique_ptr<Volume> volume_;
 };
 
 }  // namespace voxnav::submap

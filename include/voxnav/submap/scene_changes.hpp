@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "submap/merged/evidence_map.hpp"
 #include "voxnav/geometry/aabb.hpp"
+#include "voxnav/submap/evidence_map.hpp"
 
 namespace voxnav::submap {
 

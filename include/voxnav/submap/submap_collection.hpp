@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <vector>
 
-#include "submap/obstacles/obstacle_map.hpp"
+#include "voxnav/geometry/bend.hpp"
 #include "voxnav/geometry/pose.hpp"
+#include "voxnav/submap/evidence_map.hpp"
 #include "voxnav/submap/scene_changes.hpp"
 #include "voxnav/submap/submap.hpp"
 
@@ -65,6 +64,9 @@ struct SubmapEntry {
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
+  ~SubmapCollection();
+  SubmapCollection(SubmapCollection&&) noexcept;
+  SubmapCollection& operator=(SubmapCollection&&) noexcept;
 
   /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
@@ -79,15 +81,15 @@ class SubmapCollection {
   /// Oldest first.
   std::vector<const SubmapEntry*> entries() const;
   /// Null when there is none.
-  const SubmapEntry* newest() const { return records_.empty() ? nullptr : &records_.rbegin()->second.entry; }
-  std::size_t size() const { return records_.size(); }
-  std::uint64_t num_dropped() const { return num_dropped_; }
+  const SubmapEntry* newest() const;
+  std::size_t size() const;
+  std::uint64_t num_dropped() const;
 
   /// Brings the merged evidence up to date. Cost follows the submaps that are new or moved: O(their blocks * submaps
   /// that overlap there). @return blocks that changed, sorted
   std::vector<geometry::Index3> update();
   /// As of the last update().
-  const EvidenceMap& evidence() const { return evidence_; }
+  const EvidenceMap& evidence() const;
 
   /// These call update() first.
   std::vector<geometry::Vec3f> occupied_points();
@@ -113,7 +115,7 @@ class SubmapCollection {
   /// Submaps in memory; others rest in page_dir.
   std::size_t num_resident() const;
 
-  const SubmapCollectionConfig& config() const { return config_; }
+  const SubmapCollectionConfig& config() const;
   std::size_t memory_bytes() const;
 
   /// Writes every submap and an index into `directory`. Each file is written beside its name, synced and renamed, the
@@ -127,41 +129,10 @@ class SubmapCollection {
                                const SubmapCollectionConfig* config = nullptr);
 
  private:
-  using Key = std::tuple<std::uint32_t, base::StampNs, std::uint32_t>;
-  static Key key_of(const SubmapEntry& entry) { return {entry.flight, entry.end_ns, entry.id}; }
-  struct Record {
-    SubmapEntry entry;
-    Placement merged_at;
-    bool is_merged = false;
-    bool remembers = false;                    ///< holds what it did not see itself
-    Knowledge merged = Knowledge::kOwn;        ///< what counts of it where nobody else knows
-    std::vector<geometry::Index3> blocks;      ///< footprint where it is merged
-    std::vector<geometry::Index3> own_blocks;  ///< footprint of what it saw itself, where that is not all that counts
-    std::size_t bytes = 0;                     ///< of the submap when it came
-    std::uint64_t last_used = 0;
-  };
-  Record* record(std::uint32_t id);
-  Knowledge knowledge_of(const Record& record) const;
-  bool owns(const Key& key, const geometry::Index3& block) const;
-  bool memory_counts(const geometry::Index3& block, const Key* without = nullptr) const;
-  bool has_changed(const Record& record) const;
-  void forget(Record* record, std::vector<geometry::Index3>* stale);
-  void append(const Key& key, Record* record);
-  void integrate(std::map<Key, std::vector<geometry::Index3>> work);
-  void integrate(Record* record, Knowledge knowledge, const std::vector<geometry::Index3>& blocks);
   void page_out();
-  void enforce_limits();
 
-  SubmapCollectionConfig config_;
-  EvidenceMap evidence_;
-  std::map<Key, Record> records_;
-  std::map<std::uint32_t, Key> keys_;
-  std::unordered_map<geometry::Index3, std::vector<Key>, geometry::Index3Hash> by_block_;  ///< merged, oldest first
-  std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
-  std::size_t num_with_memory_ = 0;      ///< merged with what they remember
-  std::size_t submap_bytes_ = 0;
-  std::uint64_t num_uses_ = 0;
-  std::uint64_t num_dropped_ = 0;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace voxnav::submap

@@ -29,7 +29,7 @@ MapContent EvictedBlocks::take() {
 
 std::size_t EvictedBlocks::memory_bytes() const {
   std::size_t bytes = 0;
-  for (const auto& entry : blocks_) bytes += sizeof(entry) + entry.second.occupied.capacity() * sizeof(OccupiedLeaf);
+  for (const auto& entry : blocks_) bytes += sizeof(entry) + entry.second.occupied.capacity() * sizeof(OccupiedVoxel);
   return bytes;
 }
 

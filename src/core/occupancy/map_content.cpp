@@ -17,41 +17,39 @@ constexpr base::Format kFormat{0x434D5856, 1, "a voxnav map content"};  // "VXMC
 ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) {
   ContentBlock out;
   out.index = older.index;
-  auto old_leaf = older.occupied.begin();
-  auto new_leaf = newer.occupied.begin();
+  auto old_voxel = older.occupied.begin();
+  auto new_voxel = newer.occupied.begin();
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     const State newest = newer.states.get(offset);
     const State state = newest == State::kUnknown ? older.states.get(offset) : newest;
     out.states.set(offset, state);
-    while (old_leaf != older.occupied.end() && old_leaf->offset < offset) ++old_leaf;
-    while (new_leaf != newer.occupied.end() && new_leaf->offset < offset) ++new_leaf;
-    if (state == State::kOccupied) out.occupied.push_back(newest == State::kUnknown ? *old_leaf : *new_leaf);
-    const VoxelBits& own_free = newest == State::kUnknown ? older.own_free : newer.own_free;
-    out.own_free[offset >> 6] |= own_free[offset >> 6] & (std::uint64_t{1} << (offset & 63));
+    while (old_voxel != older.occupied.end() && old_voxel->offset < offset) ++old_voxel;
+    while (new_voxel != newer.occupied.end() && new_voxel->offset < offset) ++new_voxel;
+    if (state == State::kOccupied) out.occupied.push_back(newest == State::kUnknown ? *old_voxel : *new_voxel);
+    const VoxelBits& observed_free = newest == State::kUnknown ? older.observed_free : newer.observed_free;
+    out.observed_free[offset >> 6] |= observed_free[offset >> 6] & (std::uint64_t{1} << (offset & 63));
   }
   return out;
 }
 
-void put_leaf(const OccupiedLeaf& leaf, base::ByteWriter* out) {
-  out->put(leaf.offset);
-  out->put(leaf.mean);
-  out->put(leaf.hits);
-  out->put(leaf.own_hits);
-  if (leaf.own_hits == 0) return;
-  out->put(leaf.own_mean);
-  out->put(leaf.own_time);
+void put_voxel(const OccupiedVoxel& voxel, base::ByteWriter* out) {
+  out->put(voxel.offset);
+  out->put(voxel.believed);
+  out->put(voxel.observed.hits);
+  if (voxel.observed.hits == 0) return;
+  out->put(voxel.observed.mean);
+  out->put(voxel.observed_time);
 }
 
-OccupiedLeaf get_leaf(base::ByteReader* in) {
-  OccupiedLeaf leaf;
-  leaf.offset = in->get<std::uint16_t>();
-  leaf.mean = in->get<std::array<std::int8_t, 3>>();
-  leaf.hits = in->get<std::uint8_t>();
-  leaf.own_hits = in->get<std::uint8_t>();
-  if (leaf.own_hits == 0) return leaf;
-  leaf.own_mean = in->get<std::array<std::int8_t, 3>>();
-  leaf.own_time = in->get<std::uint8_t>();
-  return leaf;
+OccupiedVoxel get_voxel(base::ByteReader* in) {
+  OccupiedVoxel voxel;
+  voxel.offset = in->get<std::uint16_t>();
+  voxel.believed = in->get<VoxelPoint>();
+  voxel.observed.hits = in->get<std::uint8_t>();
+  if (voxel.observed.hits == 0) return voxel;
+  voxel.observed.mean = in->get<std::array<std::int8_t, 3>>();
+  voxel.observed_time = in->get<std::uint8_t>();
+  return voxel;
 }
 
 /// Which words have bits, and these.
@@ -81,16 +79,16 @@ VoxelBits free_bits(const containers::StateBlock& states) {
   return out;
 }
 
-void check_leaves(const ContentBlock& block, const base::ByteReader& reader) {
+void check_voxels(const ContentBlock& block, const base::ByteReader& reader) {
   std::size_t next = 0;
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     const State state = block.states.get(offset);
     if (state > State::kOccupied) reader.fail("holds a voxel state that does not exist");
     if (state != State::kOccupied) continue;
     if (next >= block.occupied.size() || block.occupied[next++].offset != offset)
-      reader.fail("has leaves that do not match its states");
+      reader.fail("has occupied voxels that do not match its states");
   }
-  if (next != block.occupied.size()) reader.fail("has leaves that do not match its states");
+  if (next != block.occupied.size()) reader.fail("has occupied voxels that do not match its states");
 }
 
 }  // namespace
@@ -126,7 +124,7 @@ std::size_t MapContent::num_occupied() const {
 
 std::size_t MapContent::memory_bytes() const {
   std::size_t bytes = sizeof(*this) + blocks.capacity() * sizeof(ContentBlock);
-  for (const ContentBlock& block : blocks) bytes += block.occupied.capacity() * sizeof(OccupiedLeaf);
+  for (const ContentBlock& block : blocks) bytes += block.occupied.capacity() * sizeof(OccupiedVoxel);
   return bytes;
 }
 
@@ -139,8 +137,8 @@ std::string MapContent::to_bytes() const {
     out.put(block.index);
     out.put(block.states);
     out.put<std::uint64_t>(block.occupied.size());
-    for (const OccupiedLeaf& leaf : block.occupied) put_leaf(leaf, &out);
-    put_bits(block.own_free, &out);
+    for (const OccupiedVoxel& voxel : block.occupied) put_voxel(voxel, &out);
+    put_bits(block.observed_free, &out);
   }
   return out.finish();
 }
@@ -151,20 +149,20 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
   MapContent out;
   out.resolution_m = in.get<double>();
   if (!(out.resolution_m > 0.0)) in.fail("has no positive resolution");
-  constexpr std::size_t kLeafBytes = 6;
+  constexpr std::size_t kVoxelBytes = 6;
   const auto num_blocks =
       in.get_count(sizeof(geometry::Index3) + sizeof(containers::StateBlock) + sizeof(std::uint64_t));
   out.blocks.resize(num_blocks);
   for (ContentBlock& block : out.blocks) {
     block.index = in.get<geometry::Index3>();
     block.states = in.get<containers::StateBlock>();
-    block.occupied.resize(in.get_count(kLeafBytes));
-    for (OccupiedLeaf& leaf : block.occupied) leaf = get_leaf(&in);
-    check_leaves(block, in);
-    block.own_free = get_bits(&in);
+    block.occupied.resize(in.get_count(kVoxelBytes));
+    for (OccupiedVoxel& voxel : block.occupied) voxel = get_voxel(&in);
+    check_voxels(block, in);
+    block.observed_free = get_bits(&in);
     const VoxelBits free = free_bits(block.states);
     for (std::size_t word = 0; word < free.size(); ++word) {
-      if ((block.own_free[word] & ~free[word]) != 0) in.fail("has own free space that is not free");
+      if ((block.observed_free[word] & ~free[word]) != 0) in.fail("has observed free space that is not free");
     }
   }
   const auto less = [](const ContentBlock& a, const ContentBlock& b) { return a.index < b.index; };
@@ -172,10 +170,10 @@ MapContent MapContent::from_bytes(const std::string& bytes) {
   return out;
 }
 
-geometry::Vec3f surface_point(const geometry::Index3& block, const OccupiedLeaf& leaf, double resolution_m) {
-  const geometry::Vec3 mean(leaf.mean[0], leaf.mean[1], leaf.mean[2]);
-  const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(block, leaf.offset), resolution_m);
-  return (center + mean * (resolution_m / 254.0)).cast<float>();
+geometry::Vec3f surface_point(const geometry::Index3& block, const OccupiedVoxel& voxel, double resolution_m) {
+  const std::array<std::int8_t, 3>& mean = voxel.believed.mean;
+  const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(block, voxel.offset), resolution_m);
+  return (center + geometry::Vec3(mean[0], mean[1], mean[2]) * (resolution_m / 254.0)).cast<float>();
 }
 
 }  // namespace voxnav::occupancy

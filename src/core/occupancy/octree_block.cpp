@@ -71,16 +71,16 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
       const SurfaceLeaf* leaf = leaves.find(offset);
       out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
       // Without hit statistics (their number is bounded) any ray counts as a miss: still occupied means hit.
-      if (!leaf && is_seen(offset)) out.occupied.back().own_hits = 1;
+      if (!leaf && is_seen(offset)) out.occupied.back().observed.hits = 1;
     });
   }
-  out.own_free = own_free(levels);
+  out.observed_free = observed_free(levels);
   return out;
 }
 
 /// A voxel that was hit is not called free, however sure the map was that it is: older scans outvote these hits, and
-/// older scans are not the submap's own.
-VoxelBits OctreeBlock::own_free(const StateLevels& levels) const {
+/// older scans are not what the submap observed.
+VoxelBits OctreeBlock::observed_free(const StateLevels& levels) const {
   VoxelBits out;
   for (std::size_t word = 0; word < out.size(); ++word) {
     out[word] = seen[word] & free_bits(word, levels);

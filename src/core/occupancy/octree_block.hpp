@@ -56,7 +56,7 @@ class OctreeBlock {
   std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
 
  private:
-  VoxelBits own_free(const StateLevels& levels) const;
+  VoxelBits observed_free(const StateLevels& levels) const;
   std::uint64_t free_bits(std::size_t word, const StateLevels& levels) const;
   std::uint64_t occupied_bits(std::size_t word, const StateLevels& levels) const;
   static constexpr int kNodes = 512 + 64 + 8 + 1;

@@ -39,23 +39,23 @@ bool SurfaceLeaf::is_refuted_by_seeing_through(int max_patience) {
   return seen_through > std::min<int>(patience, max_patience);
 }
 
-OccupiedLeaf SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
+OccupiedVoxel SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
   const auto in_bytes = [](std::int16_t value) {
     return static_cast<std::int8_t>(rounded(static_cast<float>(value) * (127.0f / kMeanUnits)));
   };
-  OccupiedLeaf leaf;
-  leaf.offset = static_cast<std::uint16_t>(offset_in_block);
+  OccupiedVoxel voxel;
+  voxel.offset = static_cast<std::uint16_t>(offset_in_block);
   for (int axis = 0; axis < 3; ++axis) {
-    leaf.mean[axis] = in_bytes(mean[axis]);
-    leaf.own_mean[axis] = in_bytes(recent_mean[axis]);
+    voxel.believed.mean[axis] = in_bytes(mean[axis]);
+    voxel.observed.mean[axis] = in_bytes(recent_mean[axis]);
   }
-  leaf.hits = scans;
-  leaf.own_hits = static_cast<std::uint8_t>(std::min<int>(recent_scans, 255));
+  voxel.believed.hits = scans;
+  voxel.observed.hits = static_cast<std::uint8_t>(std::min<int>(recent_scans, 255));
   if (recent_scans > 0 && num_scans > 0) {
     const float share = (static_cast<float>(recent_time) / kTimeUnits - 0.5f) / static_cast<float>(num_scans);
-    leaf.own_time = static_cast<std::uint8_t>(std::clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f);
+    voxel.observed_time = static_cast<std::uint8_t>(std::clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f);
   }
-  return leaf;
+  return voxel;
 }
 
 void SurfaceLeaves::begin_handover() {

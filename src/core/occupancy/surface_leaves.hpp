@@ -46,7 +46,12 @@ struct SurfaceLeaf {
   static constexpr int kTimeUnits = 16;  ///< of recent_time, which then holds 4095 scans
   static constexpr int kMaxNumber = 65535 / kTimeUnits;
   /// @param num_scans  since the last handover
-  OccupiedLeaf quantised(int offset_in_block, int num_scans) const;
+  OccupiedVoxel quantised(int offset_in_block, int num_scans) const;
+
+ private:
+  void add(const PointSpread& hits, int number);
+  void add_plain(const PointSpread& hits, int number);
+  void add_wide(const PointSpread& hits, int number);
 };
 
 static_assert(sizeof(SurfaceLeaf) == 32, "two registers");

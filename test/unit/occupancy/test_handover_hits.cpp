@@ -9,7 +9,7 @@ using containers::State;
 using geometry::Vec3;
 using occupancy::LocalMap;
 using occupancy::MapContent;
-using occupancy::OccupiedLeaf;
+using occupancy::OccupiedVoxel;
 using test::insert_from;
 
 namespace {
@@ -22,11 +22,11 @@ occupancy::LocalMapConfig small_config() {
   return config;
 }
 
-OccupiedLeaf leaf_at(const MapContent& content, const Vec3& p) {
+OccupiedVoxel leaf_at(const MapContent& content, const Vec3& p) {
   const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
   for (const auto& block : content.blocks) {
     if (block.index != geometry::block_of(voxel)) continue;
-    for (const OccupiedLeaf& leaf : block.occupied) {
+    for (const OccupiedVoxel& leaf : block.occupied) {
       if (leaf.offset == geometry::offset_in_block(voxel)) return leaf;
     }
   }
@@ -37,7 +37,7 @@ OccupiedLeaf leaf_at(const MapContent& content, const Vec3& p) {
 std::size_t num_own(const MapContent& content) {
   std::size_t count = 0;
   for (const auto& block : content.blocks) {
-    for (const OccupiedLeaf& leaf : block.occupied) count += leaf.own_hits > 0;
+    for (const OccupiedVoxel& leaf : block.occupied) count += leaf.observed.hits > 0;
   }
   return count;
 }
@@ -50,11 +50,11 @@ State state_at(const MapContent& content, const Vec3& p) {
   return State::kUnknown;
 }
 
-bool is_own_free(const MapContent& content, const Vec3& p) {
+bool is_observed_free(const MapContent& content, const Vec3& p) {
   const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
   const int offset = geometry::offset_in_block(voxel);
   for (const auto& block : content.blocks) {
-    if (block.index == geometry::block_of(voxel)) return ((block.own_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
+    if (block.index == geometry::block_of(voxel)) return ((block.observed_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
   }
   return false;
 }
@@ -62,11 +62,11 @@ bool is_own_free(const MapContent& content, const Vec3& p) {
 /// Content with own hits left out: what obstacles, distances and evidence are made from.
 std::string remembered(MapContent content) {
   for (auto& block : content.blocks) {
-    block.own_free = {};
-    for (OccupiedLeaf& leaf : block.occupied) {
-      leaf.own_mean = {};
-      leaf.own_hits = 0;
-      leaf.own_time = 0;
+    block.observed_free = {};
+    for (OccupiedVoxel& leaf : block.occupied) {
+      leaf.observed.mean = {};
+      leaf.observed.hits = 0;
+      leaf.observed_time = 0;
     }
   }
   return content.to_bytes();
@@ -82,14 +82,14 @@ TEST(HandoverHits, OnlyHitsSinceTheLastHandoverAreOwn) {
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
   const MapContent before = map.hand_over();
   EXPECT_EQ(num_own(before), 2u);
-  EXPECT_EQ(leaf_at(before, first).own_mean, leaf_at(before, first).mean);
+  EXPECT_EQ(leaf_at(before, first).observed.mean, leaf_at(before, first).mean);
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {moved});
   const MapContent after = map.hand_over();
   EXPECT_EQ(num_own(after), 1u);
-  const OccupiedLeaf leaf = leaf_at(after, moved);
+  const OccupiedVoxel leaf = leaf_at(after, moved);
   EXPECT_EQ(leaf.hits, 20);
-  EXPECT_EQ(leaf.own_hits, 10);
-  EXPECT_NEAR((leaf.own_mean[0] - leaf.mean[0]) * 0.4 / 254.0, 0.05, 0.003);
+  EXPECT_EQ(leaf.observed.hits, 10);
+  EXPECT_NEAR((leaf.observed.mean[0] - leaf.mean[0]) * 0.4 / 254.0, 0.05, 0.003);
   EXPECT_EQ(num_own(map.content()), 0u);
 }
 
@@ -120,9 +120,9 @@ TEST(HandoverHits, TellWhenTheyWere) {
     insert_from(&map, kOrigin, {always, i < 20 ? early : late});
   }
   const MapContent content = map.hand_over();
-  EXPECT_NEAR(leaf_at(content, early).own_time, 0.1 * 255, 2);
-  EXPECT_NEAR(leaf_at(content, late).own_time, 0.6 * 255, 2);
-  EXPECT_NEAR(leaf_at(content, always).own_time, 0.5 * 255, 2);
+  EXPECT_NEAR(leaf_at(content, early).observed_time, 0.1 * 255, 2);
+  EXPECT_NEAR(leaf_at(content, late).observed_time, 0.6 * 255, 2);
+  EXPECT_NEAR(leaf_at(content, always).observed_time, 0.5 * 255, 2);
 }
 
 TEST(HandoverHits, CountersSaturate) {
@@ -132,7 +132,7 @@ TEST(HandoverHits, CountersSaturate) {
   map.hand_over();
   for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, {p});
   EXPECT_EQ(leaf_at(map.content(), p).hits, 255);
-  EXPECT_EQ(leaf_at(map.content(), p).own_hits, 3);
+  EXPECT_EQ(leaf_at(map.content(), p).observed.hits, 3);
 }
 
 TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
@@ -142,7 +142,7 @@ TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
   map.hand_over();
   for (int i = 0; i < 4; ++i) insert_from(&map, kOrigin, {seen});
   insert_from(&map, Vec3(60.2, 0.2, 0.2), {});
-  EXPECT_EQ(leaf_at(map.take_evicted(), seen).own_hits, 4);
+  EXPECT_EQ(leaf_at(map.take_evicted(), seen).observed.hits, 4);
 }
 
 TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
@@ -151,14 +151,14 @@ TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
   LocalMap map(small_config());
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
   const MapContent before = map.hand_over();
-  EXPECT_TRUE(is_own_free(before, {3.0, 0.2, 0.2}));
-  EXPECT_TRUE(is_own_free(before, {0.2, 3.0, 0.2}));
+  EXPECT_TRUE(is_observed_free(before, {3.0, 0.2, 0.2}));
+  EXPECT_TRUE(is_observed_free(before, {0.2, 3.0, 0.2}));
   insert_from(&map, kOrigin, {first});
   const MapContent after = map.hand_over();
-  EXPECT_TRUE(is_own_free(after, {3.0, 0.2, 0.2}));
-  EXPECT_FALSE(is_own_free(after, {0.2, 3.0, 0.2}));
+  EXPECT_TRUE(is_observed_free(after, {3.0, 0.2, 0.2}));
+  EXPECT_FALSE(is_observed_free(after, {0.2, 3.0, 0.2}));
   EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), State::kFree);  // remembered nevertheless
-  EXPECT_FALSE(is_own_free(map.content(), {3.0, 0.2, 0.2}));
+  EXPECT_FALSE(is_observed_free(map.content(), {3.0, 0.2, 0.2}));
 }
 
 TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
@@ -169,8 +169,8 @@ TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
   insert_from(&map, kOrigin, {place});
   const MapContent content = map.hand_over();
   ASSERT_EQ(state_at(content, place), State::kFree);
-  EXPECT_FALSE(is_own_free(content, place));
-  EXPECT_TRUE(is_own_free(content, {2.0, 0.2, 0.2}));
+  EXPECT_FALSE(is_observed_free(content, place));
+  EXPECT_TRUE(is_observed_free(content, {2.0, 0.2, 0.2}));
 }
 
 TEST(HandoverFree, BelongsToWhatWasMarkedAndToWhatLeftTheWindow) {
@@ -182,11 +182,11 @@ TEST(HandoverFree, BelongsToWhatWasMarkedAndToWhatLeftTheWindow) {
   map.hand_over();
   map.mark_free(marked, 0.5);  // free already, yet looked at again
   for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
-  EXPECT_TRUE(is_own_free(map.content(), marked));
+  EXPECT_TRUE(is_observed_free(map.content(), marked));
   insert_from(&map, Vec3(60.2, 0.2, 0.2), {});
   const MapContent evicted = map.take_evicted();
-  EXPECT_TRUE(is_own_free(evicted, marked));
-  EXPECT_TRUE(is_own_free(evicted, {3.0, 0.2, 0.2}));
+  EXPECT_TRUE(is_observed_free(evicted, marked));
+  EXPECT_TRUE(is_observed_free(evicted, {3.0, 0.2, 0.2}));
 }
 
 TEST(HandoverFree, IsKeptWhenTheMapIsSaved) {

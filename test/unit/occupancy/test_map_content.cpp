@@ -13,13 +13,13 @@ using occupancy::MapContent;
 
 namespace {
 
-void set_own_free(int offset, ContentBlock* block) {
-  block->own_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
+void set_observed_free(int offset, ContentBlock* block) {
+  block->observed_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
 }
 
-bool is_own_free(const MapContent& content, const geometry::Index3& index, int offset) {
+bool is_observed_free(const MapContent& content, const geometry::Index3& index, int offset) {
   for (const ContentBlock& block : content.blocks) {
-    if (block.index == index) return ((block.own_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
+    if (block.index == index) return ((block.observed_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
   }
   return false;
 }
@@ -35,14 +35,13 @@ MapContent random_content(unsigned seed) {
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
       const State state = static_cast<State>(rng() % 3);
       block.states.set(offset, state);
-      if (state == State::kFree && rng() % 3 == 0) set_own_free(offset, &block);
+      if (state == State::kFree && rng() % 3 == 0) set_observed_free(offset, &block);
       if (state != State::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
-      occupancy::OccupiedLeaf leaf{static_cast<std::uint16_t>(offset),
-                                   {signed_byte(), signed_byte(), signed_byte()},
-                                   static_cast<std::uint8_t>(rng() % 256)};
-      leaf.own_hits = static_cast<std::uint8_t>(rng() % 3);
-      if (leaf.own_hits > 0) leaf.own_mean = {signed_byte(), signed_byte(), signed_byte()};
+      occupancy::OccupiedVoxel leaf{static_cast<std::uint16_t>(offset),
+                                   {{signed_byte(), signed_byte(), signed_byte()}, static_cast<std::uint8_t>(rng() % 256)}};
+      leaf.observed.hits = static_cast<std::uint8_t>(rng() % 3);
+      if (leaf.observed.hits > 0) leaf.observed.mean = {signed_byte(), signed_byte(), signed_byte()};
       block.occupied.push_back(leaf);
     }
     content.blocks.push_back(block);
@@ -90,7 +89,7 @@ TEST(MapContent, MergePrefersWhatTheNewerKnows) {
       const State expected = newest == State::kUnknown ? state_of(older, {x, 1, 0}, offset) : newest;
       ASSERT_EQ(state_of(merged, {x, 1, 0}, offset), expected);
       const MapContent& source = newest == State::kUnknown ? older : newer;
-      ASSERT_EQ(is_own_free(merged, {x, 1, 0}, offset), is_own_free(source, {x, 1, 0}, offset));
+      ASSERT_EQ(is_observed_free(merged, {x, 1, 0}, offset), is_observed_free(source, {x, 1, 0}, offset));
     }
   }
   EXPECT_EQ(MapContent::from_bytes(merged.to_bytes()).num_occupied(), merged.num_occupied());
@@ -101,12 +100,12 @@ TEST(MapContent, OwnFreeSpaceThatIsNotFreeIsRefused) {
   ContentBlock& block = content.blocks.front();
   int offset = 0;
   while (block.states.get(offset) == State::kFree) ++offset;
-  set_own_free(offset, &block);
+  set_observed_free(offset, &block);
   EXPECT_THROW(MapContent::from_bytes(content.to_bytes()), std::invalid_argument);
 }
 
 TEST(MapContent, SurfacePointStaysInsideItsVoxel) {
-  const occupancy::OccupiedLeaf leaf{0, {127, -127, 0}, 1};
+  const occupancy::OccupiedVoxel leaf{0, {{127, -127, 0}, 1}};
   const geometry::Vec3f p = occupancy::surface_point({0, 0, 0}, leaf, 0.4);
   EXPECT_NEAR(p.x(), 0.4, 1e-6);
   EXPECT_NEAR(p.y(), 0.0, 1e-6);

@@ -21,7 +21,7 @@ occupancy::MapContent content_at(int block, containers::State state) {
   occupancy::ContentBlock one;
   one.index = {block, 0, 0};
   one.states.set(5, state);
-  if (state == containers::State::kOccupied) one.occupied.push_back({5, {0, 0, 0}, 1});
+  if (state == containers::State::kOccupied) one.occupied.push_back({5, {{0, 0, 0}, 1}});
   content.blocks.push_back(one);
   return content;
 }

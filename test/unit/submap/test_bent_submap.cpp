@@ -35,9 +35,9 @@ occupancy::MapContent passage() {
   }
   occupancy::MapContent content = builder.build();
   for (occupancy::ContentBlock& block : content.blocks) {
-    for (occupancy::OccupiedLeaf& leaf : block.occupied) {
+    for (occupancy::OccupiedVoxel& leaf : block.occupied) {
       const int x = geometry::voxel_at(block.index, leaf.offset).x;
-      leaf.own_time = static_cast<std::uint8_t>((x + 40) * 255 / 80);
+      leaf.observed_time = static_cast<std::uint8_t>((x + 40) * 255 / 80);
     }
   }
   return content;
@@ -81,9 +81,9 @@ double distance_to(const std::vector<Vec3>& points, const Vec3& p) {
 std::vector<Vec3> bent_one_by_one(const Bend& bend) {
   std::vector<Vec3> out;
   for (const occupancy::ContentBlock& block : passage().blocks) {
-    for (const occupancy::OccupiedLeaf& leaf : block.occupied) {
+    for (const occupancy::OccupiedVoxel& leaf : block.occupied) {
       const Vec3 p_G = occupancy::surface_point(block.index, leaf, kVoxel).cast<double>();
-      out.push_back(kT_W_S * bend.at(leaf.own_time / 255.0) * kT_S_G * p_G);
+      out.push_back(kT_W_S * bend.at(leaf.observed_time / 255.0) * kT_S_G * p_G);
     }
   }
   return out;
@@ -102,11 +102,11 @@ TEST(BentSubmap, EveryPointMovesAsOfWhenItWasSeen) {
 TEST(BentSubmap, FreeSpaceAbovePostsAndGroundMovesWithThem) {
   SubmapCollection map = map_of(kBend);
   for (const occupancy::ContentBlock& block : passage().blocks) {
-    for (const occupancy::OccupiedLeaf& leaf : block.occupied) {
+    for (const occupancy::OccupiedVoxel& leaf : block.occupied) {
       const geometry::Index3 voxel = geometry::voxel_at(block.index, leaf.offset);
       if (voxel.z != 0 || voxel.x < -38 || voxel.x > 37 || std::abs(voxel.y) > 9) continue;
       const Vec3 above = geometry::center_of(voxel + geometry::Index3{0, 0, 10}, kVoxel);
-      EXPECT_EQ(map.state(kT_W_S * kBend.at(leaf.own_time / 255.0) * kT_S_G * above), State::kFree);
+      EXPECT_EQ(map.state(kT_W_S * kBend.at(leaf.observed_time / 255.0) * kT_S_G * above), State::kFree);
     }
   }
 }

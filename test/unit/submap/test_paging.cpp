@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "content_builder.hpp"
+#include "submap/distance/distance_cache.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test

@@ -93,7 +93,7 @@ TEST(Submap, SolidsHaveNegativeInside) {
   }
 }
 
-TEST(Submap, EveryOccupiedLeafIsASurface) {
+TEST(Submap, EveryOccupiedVoxelIsASurface) {
   // A pole of one voxel, a wire and lonely voxels in free space, a pole beside unknown space.
   test::ContentBuilder builder(kVoxel);
   std::vector<geometry::Index3> thin;

@@ -277,8 +277,8 @@ TEST(SubmapCollection, MovedSubmapsSayWhatTheySayWhenAddedThere) {
     ASSERT_NE(other, nullptr);
     ASSERT_EQ(other->states.free, block.states.free);
     ASSERT_EQ(other->states.occupied, block.states.occupied);
-    ASSERT_EQ(other->leaves.size(), block.leaves.size());
-    ASSERT_EQ(other->gone.size(), block.gone.size());
+    ASSERT_EQ(other->points.size(), block.points.size());
+    ASSERT_EQ(other->removed.size(), block.removed.size());
   }
 }
 

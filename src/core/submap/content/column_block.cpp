@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "submap/content/column_block.hpp"
+#include "voxnav/submap/column_block.hpp"
 
 #include <algorithm>
 

@@ -4,12 +4,14 @@
 #include <deque>
 #include <mutex>
 
+#include "submap/distance/derive_distances.hpp"
+
 namespace voxnav::submap {
 namespace {
 
 constexpr std::size_t kDefaultLimit = 24u << 20;
 
-/// The blocks at hand of all fields, oldest first. Source: the clock algorithm, Corbato 1968.
+/// The blocks at hand of all submaps, oldest first. Source: the clock algorithm, Corbato 1968.
 class EvictionClock {
  public:
   static EvictionClock& instance() {
@@ -65,21 +67,20 @@ class EvictionClock {
 
 DistanceCache::DistanceCache(std::size_t num_blocks) : slots_(std::make_shared<Slots>(num_blocks)) {}
 
-std::shared_ptr<const DistanceBlock> DistanceCache::get(const CompressedField& field, int position) const {
+std::shared_ptr<const DistanceBlock> DistanceCache::get(const SubmapContent& content, std::size_t position) const {
   static const auto nothing = std::make_shared<const DistanceBlock>(1.0);
-  const auto i = static_cast<std::size_t>(position);
-  std::shared_ptr<const DistanceBlock> block = std::atomic_load(&(*slots_)[i]);
+  std::shared_ptr<const DistanceBlock> block = std::atomic_load(&(*slots_)[position]);
   if (block) {
     block->was_used.store(true, std::memory_order_relaxed);
     return block;
   }
-  block = derive_distances(field, field.block_index(i));
+  block = derive_distances(content, content.states().index(position));
   const bool is_counted = block != nullptr;
   if (!block) block = nothing;
   std::shared_ptr<const DistanceBlock> expected;
   // Another thread may have been faster with the same result.
-  if (std::atomic_compare_exchange_strong(&(*slots_)[i], &expected, block) && is_counted)
-    EvictionClock::instance().add(slots_, i);
+  if (std::atomic_compare_exchange_strong(&(*slots_)[position], &expected, block) && is_counted)
+    EvictionClock::instance().add(slots_, position);
   return block;
 }
 

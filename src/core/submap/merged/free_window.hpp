@@ -5,14 +5,20 @@
 #include <cstdint>
 
 #include "kernels/column_rows.hpp"
-#include "submap/content/column_block.hpp"
-#include "submap/merged/evidence_leaf.hpp"
+#include "submap/merged/voxel_units.hpp"
 #include "voxnav/geometry/pose.hpp"
+#include "voxnav/submap/column_block.hpp"
 
 namespace voxnav::submap {
 
+/// Whether a submap knows the place of a surface point to be free, and that one voxel below it.
+struct FreeAt {
+  bool at_point;
+  bool below;
+};
+
 /// The free voxels of a submap that one block of W, and the voxels below it, lie in, as columns side by side: what is
-/// asked for leaf after leaf then takes no look-ups. For submaps that are turned about the vertical only, with voxels
+/// asked for point after point then takes no look-ups. For submaps that are turned about the vertical only, with voxels
 /// as large as those of W. Places are computed in integers.
 class FreeWindow {
  public:
@@ -21,13 +27,14 @@ class FreeWindow {
   template <class FreeOf>
   FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of);
 
-  /// Bit 1: the voxel of the submap that holds the point of a leaf is free; bit 0: the one below it is.
-  unsigned at(const PlacedLeaf& leaf) const {
-    const Units3 p = units_of(leaf);
+  /// Whether the voxels of the submap that hold a surface point and the place below it are free.
+  FreeAt at(const SurfaceEvidence& evidence) const {
+    const Units3 p = units_of(evidence);
     const std::uint32_t z = voxel_at(origin_.z + (std::int64_t{p.z} << kUnitShift));
-    return (column(origin_.x + p.x * along_x_.x + p.y * along_y_.x, origin_.y + p.x * along_x_.y + p.y * along_y_.y) >>
-            (z - 1)) &
-           3u;
+    const std::uint32_t both =
+        column(origin_.x + p.x * along_x_.x + p.y * along_y_.x, origin_.y + p.x * along_x_.y + p.y * along_y_.y) >>
+        (z - 1);
+    return {(both & 2u) != 0, (both & 1u) != 0};
   }
   /// Sets the voxels of the block whose centres lie in free ones.
   void add_to(Columns* free) const;

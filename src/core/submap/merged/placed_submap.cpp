@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "submap/merged/block_marks.hpp"
-#include "submap/merged/leaf_placer.hpp"
+#include "submap/merged/point_placer.hpp"
 #include "submap/voxel_walk.hpp"
 
 namespace voxnav::submap {
@@ -39,7 +38,7 @@ Eigen::Affine3d in_units(const Pose& T_A_B, double unit_A, double unit_B) {
 
 PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Placement& placement, double resolution_m,
                            Knowledge knowledge, std::vector<Vec3> viewpoints_W)
-    : field_(submap.field()),
+    : content_(submap.content()),
       id_(id),
       knowledge_(knowledge),
       resolution_m_(resolution_m),
@@ -50,8 +49,8 @@ PlacedSubmap::PlacedSubmap(const Submap& submap, std::uint32_t id, const Placeme
       is_level_(turns_about_vertical(placement.T_W_S * T_S_G_) && turns_about_vertical(placement.bend.T_S_begin) &&
                 turns_about_vertical(placement.bend.T_S_end) && submap_resolution_m_ == resolution_m) {
   if (knowledge == Knowledge::kAll) placement_.bend = {};
-  free_.resize(field_->num_blocks());
-  place_leaves(submap.thin_leaves());
+  free_.resize(content_->states().size());
+  place_points(submap.thin_voxels());
 }
 
 Pose PlacedSubmap::T_W_G_at(double phase) const {
@@ -65,7 +64,7 @@ Eigen::Affine3d PlacedSubmap::T_G_W_of(const Index3& block) const {
   double phase = 0.5;
   for (const int step : {0, -1, -2, 1}) {
     if (placement_.bend.is_rigid()) break;
-    const PlacedLeaves::Block* near = leaves_.find(block + Index3{0, 0, step});
+    const PlacedPoints::Block* near = points_.find(block + Index3{0, 0, step});
     if (!near) continue;
     phase = near->phase();
     break;
@@ -73,51 +72,54 @@ Eigen::Affine3d PlacedSubmap::T_G_W_of(const Index3& block) const {
   return in_units(T_W_G_at(phase).inverse(Eigen::Isometry), submap_resolution_m_, resolution_m_);
 }
 
-void PlacedSubmap::place_leaves(const std::vector<bool>& is_thin) {
+void PlacedSubmap::place_points(const std::vector<bool>& is_thin) {
   std::vector<Eigen::Affine3d> T_W_G;
   const int num_times = placement_.bend.is_rigid() ? 1 : 256;
   for (int time = 0; time < num_times; ++time) {
     T_W_G.push_back(in_units(T_W_G_at(time / 255.0), resolution_m_, submap_resolution_m_));
   }
-  LeafPlacer placer(T_W_G, &leaves_);
-  leaves_.reserve(knowledge_ == Knowledge::kOwn ? field_->num_own_leaves() : field_->num_leaves(),
-                  field_->num_blocks());
-  for (std::size_t i = 0; i < field_->num_blocks(); ++i) {
-    const Index3& block_G = field_->block_index(i);
+  PointPlacer placer(T_W_G, &points_);
+  const BlockStates& states = content_->states();
+  const bool is_observed_only = knowledge_ == Knowledge::kObserved;
+  points_.reserve(is_observed_only ? content_->points().num_observed() : content_->points().size(), states.size());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const Index3& block_G = states.index(i);
     bool is_entered = false;
-    const auto place = [&](int offset, const CompressedField::Leaf& leaf, std::size_t number,
-                           std::uint8_t time = CompressedField::kUnknownTime) {
+    content_->for_each_voxel(i, [&](const occupancy::OccupiedVoxel& voxel, std::size_t number) {
+      if (is_observed_only && voxel.observed.hits == 0) return;
       if (!is_entered) placer.enter(block_G);
       is_entered = true;
-      PlacedLeaf* placed = leaves_.next();
-      placed->hits = leaf.hits;
+      const std::uint8_t time = is_observed_only ? voxel.observed_time : occupancy::kUnknownTime;
+      SurfaceEvidence* placed = points_.next();
+      placed->point = is_observed_only ? voxel.observed : voxel.believed;
+      placed->submap_id = id_;
+      placed->is_new = false;
+      placed->is_doubted = false;
       placed->range = 255;
       placed->is_thin = is_thin[number];
       if (placed->is_thin) {
-        const Vec3 p = T_W_G[num_times > 1 ? time : 0] * surface_point(geometry::voxel_at(block_G, offset), leaf);
+        const Vec3 p =
+            T_W_G[num_times > 1 ? time : 0] * surface_point(geometry::voxel_at(block_G, voxel.offset), placed->point);
         placed->range = range_byte(range_to(p * resolution_m_));
       }
-      placer.place(offset, leaf.mean, time, placed);
-    };
-    if (knowledge_ == Knowledge::kOwn) {
-      field_->for_each_own_leaf_of(i, place);
-    } else {
-      field_->for_each_leaf_of(i, place);
-    }
+      placer.place(voxel.offset, time, placed);
+    });
   }
-  leaves_.sort();
+  points_.sort();
 }
 
 /// Unpacked when first asked for: most of the air is known from other submaps already.
 const Columns* PlacedSubmap::free_of(const Index3& block_G) const {
-  const int position = field_->position_of(block_G);
-  if (position < 0) return nullptr;
-  const auto i = static_cast<std::size_t>(position);
-  if (!free_[i]) {
-    const bool is_own = knowledge_ == Knowledge::kOwn;
-    free_[i] = std::make_unique<Columns>(is_own ? field_->own_free(i) : field_->columns(i).free);
+  const BlockStates& states = content_->states();
+  const auto position = states.find(block_G);
+  if (!position) return nullptr;
+  std::unique_ptr<Columns>& free = free_[*position];
+  if (!free) {
+    const bool is_observed_only = knowledge_ == Knowledge::kObserved;
+    free =
+        std::make_unique<Columns>(is_observed_only ? states.observed_free(*position) : states.columns(*position).free);
   }
-  return free_[i].get();
+  return free.get();
 }
 
 PlacedSubmap::FreeInBlock::FreeInBlock(const PlacedSubmap& submap, const Index3& block)
@@ -132,9 +134,9 @@ bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
   return free && (((*free)[static_cast<std::size_t>(offset & 255)] >> (offset >> 8)) & 1) != 0;
 }
 
-unsigned PlacedSubmap::FreeInBlock::at_tilted(const PlacedLeaf& leaf) const {
-  const Vec3 p = local_point(leaf);
-  return (is_free_at(p) ? 2u : 0u) | (is_free_at(p - Vec3(0.0, 0.0, 1.0)) ? 1u : 0u);
+FreeAt PlacedSubmap::FreeInBlock::at_tilted(const SurfaceEvidence& evidence) const {
+  const Vec3 p = local_point(evidence);
+  return {is_free_at(p), is_free_at(p - Vec3(0.0, 0.0, 1.0))};
 }
 
 void PlacedSubmap::FreeInBlock::add_tilted(Columns* free) const {
@@ -149,60 +151,6 @@ std::optional<double> PlacedSubmap::range_to(const Vec3& p_W) const {
   double squared = std::numeric_limits<double>::infinity();
   for (const Vec3& view : viewpoints_W_) squared = std::min(squared, (view - p_W).squaredNorm());
   return std::sqrt(squared);
-}
-
-namespace {
-
-/// Boxes around the blocks of a submap: all blocks are turned alike, so that of the first one, moved.
-class PlacedBox {
- public:
-  PlacedBox(const Pose& T_W_G, double side_G)
-      : T_W_G_(T_W_G), side_G_(side_G), unit_(geometry::Aabb{Vec3::Zero(), Vec3::Constant(side_G)}.transformed(T_W_G)) {
-    unit_.min -= T_W_G.translation();
-    unit_.max -= T_W_G.translation();
-  }
-  void extend(const Index3& block, geometry::Aabb* box) const {
-    const Vec3 origin = T_W_G_ * (Vec3(block.x, block.y, block.z) * side_G_);
-    box->extend(origin + unit_.min);
-    box->extend(origin + unit_.max);
-  }
-
- private:
-  Pose T_W_G_;
-  double side_G_;
-  geometry::Aabb unit_;
-};
-
-}  // namespace
-
-std::vector<Pose> extremes(const Placement& placement) {
-  if (placement.bend.is_rigid()) return {placement.T_W_S};
-  return {placement.T_W_S, placement.T_W_S * placement.bend.T_S_begin, placement.T_W_S * placement.bend.T_S_end};
-}
-
-std::vector<Index3> footprint(const Submap& submap, const Placement& placement, double resolution_m,
-                              Knowledge knowledge) {
-  const double side_G = kBlockSide * submap.resolution_m();
-  const double side_W = kBlockSide * resolution_m;
-  std::vector<Index3> out;
-  const auto field = submap.field();
-  std::vector<PlacedBox> boxes;
-  for (const Pose& T_W_S : extremes(placement)) boxes.emplace_back(T_W_S * submap.T_S_G(), side_G);
-  for (std::size_t i = 0; i < field->num_blocks(); ++i) {
-    if (knowledge == Knowledge::kOwn && !field->has_own(i)) continue;
-    const Index3& block = field->block_index(i);
-    geometry::Aabb box;
-    for (const PlacedBox& placed : boxes) placed.extend(block, &box);
-    const Index3 low = floor_index(box.min / side_W);
-    const Index3 high = floor_index(box.max / side_W);
-    for (int z = low.z; z <= high.z; ++z) {
-      for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) out.push_back({x, y, z});
-      }
-    }
-  }
-  sort_unique(&out);
-  return out;
 }
 
 }  // namespace voxnav::submap

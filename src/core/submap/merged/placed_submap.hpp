@@ -6,25 +6,15 @@
 #include <optional>
 #include <vector>
 
+#include "submap/content/submap_content.hpp"
+#include "submap/merged/footprint.hpp"
 #include "submap/merged/free_window.hpp"
-#include "submap/merged/placed_leaves.hpp"
-#include "voxnav/geometry/bend.hpp"
-#include "voxnav/submap/submap.hpp"
+#include "submap/merged/placed_points.hpp"
 
 namespace voxnav::submap {
 
-/// What of a submap counts: what it saw itself, or also what its local map remembered of submaps before it. The latter
-/// lies where odometry put it, which no correction of this submap's pose puts right.
-enum class Knowledge { kOwn, kAll };
-
-/// Where a submap lies in W. What it saw itself is bent; memory has no time and stays where the middle is.
-struct Placement {
-  geometry::Pose T_W_S = geometry::Pose::Identity();
-  geometry::Bend bend = {};
-};
-
 /// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
-/// each block of W costs no more than what it holds. O(leaves + known blocks). Not thread-safe.
+/// each block of W costs no more than what it holds. O(surface points + known blocks). Not thread-safe.
 class PlacedSubmap {
  public:
   /// @param viewpoints_W  where the sensor was; none = unknown
@@ -32,7 +22,7 @@ class PlacedSubmap {
                Knowledge knowledge, std::vector<geometry::Vec3> viewpoints_W = {});
 
   std::uint32_t id() const { return id_; }
-  const PlacedLeaves& leaves() const { return leaves_; }
+  const PlacedPoints& points() const { return points_; }
   /// Distance from a point to where the sensor was nearest to it; nothing when that is not known.
   std::optional<double> range_to(const geometry::Vec3& p_W) const;
 
@@ -40,13 +30,14 @@ class PlacedSubmap {
   class FreeInBlock {
    public:
     FreeInBlock(const PlacedSubmap& submap, const geometry::Index3& block);
-    /// Bit 1: the point of a leaf lies in free space; bit 0: the place one voxel below it does.
-    unsigned at(const PlacedLeaf& leaf) const { return window_ ? window_->at(leaf) : at_tilted(leaf); }
+    FreeAt is_free(const SurfaceEvidence& evidence) const {
+      return window_ ? window_->at(evidence) : at_tilted(evidence);
+    }
     /// Sets the voxels whose centre the submap knows to be free.
     void add_to(Columns* free) const { window_ ? window_->add_to(free) : add_tilted(free); }
 
    private:
-    unsigned at_tilted(const PlacedLeaf& leaf) const;
+    FreeAt at_tilted(const SurfaceEvidence& evidence) const;
     void add_tilted(Columns* free) const;
     bool is_free_at(const geometry::Vec3& p) const;
 
@@ -57,12 +48,12 @@ class PlacedSubmap {
   };
 
  private:
-  void place_leaves(const std::vector<bool>& is_thin);
+  void place_points(const std::vector<bool>& is_thin);
   geometry::Pose T_W_G_at(double phase) const;
   Eigen::Affine3d T_G_W_of(const geometry::Index3& block) const;
   const Columns* free_of(const geometry::Index3& block_G) const;
 
-  std::shared_ptr<const CompressedField> field_;
+  std::shared_ptr<const SubmapContent> content_;
   std::uint32_t id_;
   Knowledge knowledge_;
   double resolution_m_;
@@ -71,15 +62,8 @@ class PlacedSubmap {
   geometry::Pose T_S_G_;
   std::vector<geometry::Vec3> viewpoints_W_;
   bool is_level_;                                       ///< turned about the vertical only, voxels of the same size
-  mutable std::vector<std::unique_ptr<Columns>> free_;  ///< per block of the field, once it was asked for
-  PlacedLeaves leaves_;
+  mutable std::vector<std::unique_ptr<Columns>> free_;  ///< per block of the submap, once it was asked for
+  PlacedPoints points_;
 };
-
-/// Poses between which everything of the submap lies.
-std::vector<geometry::Pose> extremes(const Placement& placement);
-
-/// Blocks of W that the known part of a submap touches, what counts of it; sorted.
-std::vector<geometry::Index3> footprint(const Submap& submap, const Placement& placement, double resolution_m,
-                                        Knowledge knowledge);
 
 }  // namespace voxnav::submap

@@ -29,18 +29,18 @@ bool is_old_surface(const EvidenceMap& evidence, const Index3& voxel) {
   const EvidenceBlock* block = evidence.find(geometry::block_of(voxel));
   const int offset = geometry::offset_in_block(voxel);
   if (!block || block->states.get(offset) != containers::State::kOccupied) return false;
-  return std::none_of(block->leaves.begin(), block->leaves.end(),
-                      [&](const EvidenceLeaf& leaf) { return leaf.offset == offset && leaf.is_new; });
+  return std::none_of(block->points.begin(), block->points.end(),
+                      [&](const SurfaceEvidence& point) { return point.offset == offset && point.is_new; });
 }
 
 ChangedVoxels appeared(const EvidenceMap& evidence) {
   ChangedVoxels out;
   for (const auto& [index, block] : evidence.blocks()) {
-    for (const EvidenceLeaf& leaf : block.leaves) {
-      if (!leaf.is_new) continue;
-      const Index3 voxel = geometry::voxel_at(index, leaf.offset);
+    for (const SurfaceEvidence& point : block.points) {
+      if (!point.is_new) continue;
+      const Index3 voxel = geometry::voxel_at(index, point.offset);
       if (any_neighbor(voxel, [&](const Index3& other) { return is_old_surface(evidence, other); })) continue;
-      out[voxel] = {evidence.point_of(index, leaf), leaf.submap_id};
+      out[voxel] = {evidence.point_of(index, point), point.submap_id};
     }
   }
   return out;
@@ -49,8 +49,8 @@ ChangedVoxels appeared(const EvidenceMap& evidence) {
 ChangedVoxels disappeared(const EvidenceMap& evidence) {
   ChangedVoxels out;
   for (const auto& [index, block] : evidence.blocks()) {
-    for (const EvidenceLeaf& leaf : block.gone) {
-      out[geometry::voxel_at(index, leaf.offset)] = {evidence.point_of(index, leaf), leaf.submap_id};
+    for (const SurfaceEvidence& point : block.removed) {
+      out[geometry::voxel_at(index, point.offset)] = {evidence.point_of(index, point), point.submap_id};
     }
   }
   return out;

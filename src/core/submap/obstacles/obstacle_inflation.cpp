@@ -22,9 +22,9 @@ void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
   constexpr int kFirst = kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // centres of voxels at integers
   const auto edges = [](int units) { return static_cast<float>(units) * (1.f / static_cast<float>(kUnitsPerEdge)); };
   std::vector<kernels::BallCenter> centers;
-  centers.reserve(block.leaves.size());
-  for (const EvidenceLeaf& leaf : block.leaves) {
-    const Units3 p = units_of(leaf) + Units3{kFirst, kFirst, kFirst};
+  centers.reserve(block.points.size());
+  for (const SurfaceEvidence& point : block.points) {
+    const Units3 p = units_of(point) + Units3{kFirst, kFirst, kFirst};
     centers.push_back({edges(p.x), edges(p.y), edges(p.z)});
   }
   const double padded = reach + kRounding;
@@ -51,8 +51,8 @@ void add_balls(const EvidenceBlock& block, const Index3& step, double reach, Col
   const Vec3 corner = Vec3(step.x, step.y, step.z) * kBlockSide;
   const auto first = [](double low) { return std::max(0, static_cast<int>(std::ceil(std::max(low, 0.0)))); };
   const auto last = [](double high) { return std::min(kBlockSide - 1, static_cast<int>(std::floor(high))); };
-  for (const EvidenceLeaf& leaf : block.leaves) {
-    const Vec3 p = local_point(leaf) - Vec3::Constant(0.5) - corner;
+  for (const SurfaceEvidence& point : block.points) {
+    const Vec3 p = local_point(point) - Vec3::Constant(0.5) - corner;
     for (int y = first(p.y() - reach); y <= last(p.y() + reach); ++y) {
       const double rest = squared - (y - p.y()) * (y - p.y());
       for (int x = first(p.x() - reach); x <= last(p.x() + reach); ++x) {

@@ -4,7 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "submap/merged/evidence_map.hpp"
+#include "submap/merged/voxel_units.hpp"
+#include "voxnav/submap/evidence_map.hpp"
 
 namespace voxnav::submap {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "submap/obstacles/obstacle_map.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +26,11 @@ double checked_resolution(double resolution_m, double safety_distance_m) {
 /// Checksum of where the points are; which submap gave them does not matter.
 std::uint64_t sum_of(const EvidenceBlock& block) {
   std::uint64_t sum = 0x9E3779B97F4A7C15ull;
-  for (const EvidenceLeaf& leaf : block.leaves) {
-    const std::uint64_t bits = leaf.offset | static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[0])) << 16 |
-                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[1])) << 24 |
-                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(leaf.mean[2])) << 32;
+  for (const SurfaceEvidence& point : block.points) {
+    const std::uint64_t bits = point.offset |
+                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(point.point.mean[0])) << 16 |
+                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(point.point.mean[1])) << 24 |
+                               static_cast<std::uint64_t>(static_cast<std::uint8_t>(point.point.mean[2])) << 32;
     sum = (sum ^ bits) * 0xBF58476D1CE4E5B9ull;
     sum ^= sum >> 29;
   }
@@ -72,7 +73,7 @@ class Surroundings {
     for (int x = -reach_blocks_; x <= reach_blocks_; ++x) {
       for (int z = -reach_blocks_; z <= reach_blocks_; ++z) {
         for (int y = -reach_blocks_; y <= reach_blocks_; ++y, ++source) {
-          if (source->block && !source->block->leaves.empty()) add_balls({x, y, z}, source, mask);
+          if (source->block && !source->block->points.empty()) add_balls({x, y, z}, source, mask);
         }
       }
     }
@@ -125,7 +126,7 @@ void ObstacleMap::mark_changed(const std::vector<Index3>& blocks) {
 
 bool ObstacleMap::surface_changed(const Index3& block, const EvidenceBlock* evidence) {
   const auto old = surfaces_.find(block);
-  if (!evidence || evidence->leaves.empty()) {
+  if (!evidence || evidence->points.empty()) {
     if (old == surfaces_.end()) return false;
     surfaces_.erase(old);
     return true;

@@ -5,7 +5,7 @@
 #include <array>
 #include <memory>
 
-#include "submap/content/field_window.hpp"
+#include "submap/content/content_window.hpp"
 
 namespace voxnav::submap {
 namespace {
@@ -61,43 +61,49 @@ std::vector<SurfacePoint> pick(const std::vector<Cell>& cells, const geometry::P
 
 }  // namespace
 
-std::vector<SurfacePoint> sample_surface(const CompressedField& field, double resolution_m, const geometry::Pose& T_S_G,
+std::vector<SurfacePoint> sample_surface(const SubmapContent& content, double resolution_m, const geometry::Pose& T_S_G,
                                          int max_points) {
   std::vector<Cell> all;
-  const auto window = std::make_unique<FieldWindow>();
+  const auto window = std::make_unique<ContentWindow>();
   std::vector<std::uint16_t> inside;
-  std::vector<LeafNormal> normals;
-  for (std::size_t i = 0; i < field.num_blocks(); ++i) {
-    if (!field.has_surface(static_cast<int>(i))) continue;
-    window->load(field, field.block_index(i), 1);
-    const Vec3 first = geometry::center_of(geometry::voxel_at(field.block_index(i), 0), 1.0);
-    inside = leaves_of_block(*window);
+  std::vector<SurfaceNormal> normals;
+  const BlockStates& states = content.states();
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!states.has_occupied(i)) continue;
+    window->load(content, states.index(i), 1);
+    const Vec3 first = geometry::center_of(geometry::voxel_at(states.index(i), 0), 1.0);
+    inside = voxels_of_block(*window);
     estimate_normals(*window, inside, &normals);
     CellsOfBlock cells;
     for (std::size_t k = 0; k < inside.size(); ++k) {
-      const WindowLeaf& leaf = window->leaves()[inside[k]];
-      const LeafNormal& surface = normals[k];
-      if (!(surface.quality > 0.f)) continue;
-      const Vec3 p = (first + Vec3(leaf.x, leaf.y, leaf.z) + leaf.mean().cast<double>()) * resolution_m;
-      const int cell = CompressedField::cell_of(leaf.x | (leaf.y << 4) | (leaf.z << 8));
-      cells[static_cast<std::size_t>(cell)].push_back(
-          {p.cast<float>(), surface.normal, weight_of(surface.quality, leaf.leaf.hits), leaf.phase});
+      if (!(normals[k].quality > 0.f)) continue;
+      const ContentWindow::Place& place = window->places()[inside[k]];
+      const std::size_t number = window->numbers()[inside[k]];
+      const Vec3 p = (first + Vec3(place.x, place.y, place.z) + window->mean(inside[k]).cast<double>()) * resolution_m;
+      const int offset = geometry::offset_in_block({place.x, place.y, place.z});
+      cells[static_cast<std::size_t>(cell_of(offset))].push_back(
+          {p.cast<float>(), normals[k].normal, weight_of(normals[k].quality, content.points().believed(number).hits),
+           content.points().phase_of(number)});
     }
     append_sorted(std::move(cells), &all);
   }
   return pick(all, T_S_G, max_points);
 }
 
-std::vector<SurfacePoint> sample_surface(const std::vector<FilledBlock>& blocks, double resolution_m,
+std::vector<SurfacePoint> sample_surface(const occupancy::MapContent& content,
+                                         const std::vector<std::vector<SurfaceNormal>>& normals,
                                          const geometry::Pose& T_S_G, int max_points) {
   std::vector<Cell> all;
-  for (const FilledBlock& block : blocks) {
+  for (std::size_t i = 0; i < content.blocks.size(); ++i) {
     CellsOfBlock cells;
-    for (const FilledLeaf& leaf : block.leaves) {
-      if (!(leaf.quality > 0.f)) continue;
-      const Vec3 p = surface_point(geometry::voxel_at(block.index, leaf.offset), {leaf.mean, leaf.hits});
-      cells[static_cast<std::size_t>(CompressedField::cell_of(leaf.offset))].push_back(
-          {(p * resolution_m).cast<float>(), leaf.normal, weight_of(leaf.quality, leaf.hits)});
+    const occupancy::ContentBlock& block = content.blocks[i];
+    for (std::size_t k = 0; k < block.occupied.size(); ++k) {
+      const SurfaceNormal& surface = normals[i][k];
+      if (!(surface.quality > 0.f)) continue;
+      const occupancy::OccupiedVoxel& voxel = block.occupied[k];
+      const Vec3 p = surface_point(geometry::voxel_at(block.index, voxel.offset), voxel.believed);
+      cells[static_cast<std::size_t>(cell_of(voxel.offset))].push_back(
+          {(p * content.resolution_m).cast<float>(), surface.normal, weight_of(surface.quality, voxel.believed.hits)});
     }
     append_sorted(std::move(cells), &all);
   }

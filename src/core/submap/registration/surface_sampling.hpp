@@ -3,17 +3,20 @@
 
 #include <vector>
 
-#include "submap/content/compressed_field.hpp"
+#include "submap/content/submap_content.hpp"
+#include "submap/distance/surface_normals.hpp"
 #include "voxnav/geometry/distance_field.hpp"
 
 namespace voxnav::submap {
 
 /// At most `max_points` surface points, frame S, spread evenly: rounds over cells of 4^3 voxels, each giving its next
-/// best leaf (normal quality, then hits). Deterministic, depends on nothing but the field.
-std::vector<geometry::SurfacePoint> sample_surface(const CompressedField& field, double resolution_m,
+/// best surface point (normal quality, then hits). Deterministic, depends on nothing but the content.
+std::vector<geometry::SurfacePoint> sample_surface(const SubmapContent& content, double resolution_m,
                                                    const geometry::Pose& T_S_G, int max_points);
 /// The same with normals that were measured (projective filling).
-std::vector<geometry::SurfacePoint> sample_surface(const std::vector<FilledBlock>& blocks, double resolution_m,
+/// @param normals  of the occupied voxels of each block of the content
+std::vector<geometry::SurfacePoint> sample_surface(const occupancy::MapContent& content,
+                                                   const std::vector<std::vector<SurfaceNormal>>& normals,
                                                    const geometry::Pose& T_S_G, int max_points);
 
 }  // namespace voxnav::submap

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "kernels/voxel_window.hpp"
+#include "submap/content/submap_content.hpp"
+
+namespace voxnav::submap {
+
+/// One block of a submap and up to 8 voxels around it, as rows of bits along x: bit x + 8 of the row at (y, z).
+/// Coordinates are voxels from the first voxel of the block. Unpacked from the cells that lie there, so that what is
+/// computed for every voxel of a block (distances, normals) finds its neighbours without a search; made to be used
+/// again for the next block.
+class ContentWindow {
+ public:
+  static constexpr int kHalo = 8;
+  static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
+  /// Where an occupied voxel lies.
+  using Place = kernels::WindowVoxel;
+
+  /// @param halo voxels around the block that are asked for, at most kHalo; more may be there (whole cells)
+  void load(const SubmapContent& content, const geometry::Index3& block, int halo);
+
+  /// The occupied voxels by z, y and x; what follows is numbered like them.
+  const std::vector<Place>& places() const { return places_; }
+  /// Number of each among the surface points of the submap.
+  const std::vector<std::uint32_t>& numbers() const { return numbers_; }
+  /// Surface point of the i-th from the centre of its voxel, voxel edges.
+  geometry::Vec3f mean(std::size_t i) const {
+    const auto& mean = content_points_->believed(numbers_[i]).mean;
+    return geometry::Vec3f(mean[0], mean[1], mean[2]) * (1.0f / 254.0f);
+  }
+
+  std::uint32_t free(int y, int z) const { return free_[at(y, z)]; }
+  std::uint32_t occupied(int y, int z) const { return occupied_[at(y, z)]; }
+  containers::State state(int x, int y, int z) const {
+    if ((occupied(y, z) >> (x + kHalo)) & 1) return containers::State::kOccupied;
+    return (free(y, z) >> (x + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
+  }
+
+  /// The same for kernels, with the surface points from the centre of the first voxel of the block; valid until load().
+  kernels::VoxelWindow view() const {
+    static_assert(kHalo == kernels::kWindowHalo && kSide == kernels::kWindowSide, "one window");
+    return {free_.data(), occupied_.data(), first_of_row_.data(), points_.data(), points_.size()};
+  }
+
+ private:
+  /// A cell with occupied voxels, its first voxel, and the number of its first surface point.
+  struct OccupiedCell {
+    int x, y, z;
+    std::uint64_t voxels;
+    std::size_t first_number;
+  };
+
+  static std::size_t at(int y, int z) { return static_cast<std::size_t>(y + kHalo + kSide * (z + kHalo)); }
+  void add_block(const BlockStates& states, std::size_t position, const geometry::Index3& first, int halo);
+  void count_rows();
+  void take_points(const OccupiedCell& cell);
+
+  using Rows = std::array<std::uint32_t, kSide * kSide>;
+  const VoxelPoints* content_points_ = nullptr;
+  Rows free_;
+  Rows occupied_;
+  std::array<std::uint16_t, kSide * kSide> first_of_row_;
+  std::array<std::uint16_t, kSide * kSide> next_of_row_;  ///< while they are taken
+  std::vector<OccupiedCell> cells_;
+  std::vector<Place> places_;
+  std::vector<std::uint32_t> numbers_;
+  std::vector<kernels::WindowPoint> points_;
+};
+
+/// Those of the occupied voxels of a window that lie in the block itself.
+std::vector<std::uint16_t> voxels_of_block(const ContentWindow& window);
+
+}  // namespace voxnav::submap

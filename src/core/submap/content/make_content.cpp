@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "submap/content/make_content.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "submap/content/block_states_builder.hpp"
+
+namespace voxnav::submap {
+namespace {
+
+using containers::State;
+using occupancy::ContentBlock;
+using occupancy::OccupiedVoxel;
+
+using VoxelsByCell = std::array<std::vector<OccupiedVoxel>, kCellsOfBlock>;
+
+[[noreturn]] void fail_mismatch() {
+  throw std::invalid_argument("map content has occupied voxels that do not match its states");
+}
+
+/// A mean of -128 lies outside of its voxel and would break the symmetry of what is computed from it.
+occupancy::VoxelPoint clamped(occupancy::VoxelPoint point) {
+  for (std::int8_t& c : point.mean) c = std::max<std::int8_t>(c, -127);
+  return point;
+}
+
+/// Occupied voxels of a block cell by cell, in the order of their voxels, which is also that of their offsets.
+VoxelsByCell by_cell(const ContentBlock& block) {
+  VoxelsByCell out;
+  int last = -1;
+  for (const OccupiedVoxel& voxel : block.occupied) {
+    const bool fits = voxel.offset < geometry::kBlockVolume && voxel.offset > last &&
+                      block.states.get(voxel.offset) == State::kOccupied;
+    if (!fits) fail_mismatch();
+    last = voxel.offset;
+    out[static_cast<std::size_t>(cell_of(voxel.offset))].push_back(
+        {voxel.offset, clamped(voxel.believed), clamped(voxel.observed), voxel.observed_time});
+  }
+  return out;
+}
+
+/// Bit per voxel of a cell, out of those of its block: four voxels along x lie side by side in both.
+std::uint64_t bits_of_cell(const occupancy::VoxelBits& bits, int cell) {
+  std::uint64_t out = 0;
+  for (int row = 0; row < kVoxelsOfCell / kCellSide; ++row) {
+    const int offset = offset_of(cell, kCellSide * row);
+    out |= ((bits[static_cast<std::size_t>(offset >> 6)] >> (offset & 63)) & 15u) << (kCellSide * row);
+  }
+  return out;
+}
+
+/// The states of a cell. Four voxels along x, with two bits each, are a byte of the block and of the cell, so that they
+/// move byte by byte: rows of a cell follow each other by 4 bytes along y and by 64 along z.
+CellStates states_of_cell(const ContentBlock& block, int cell) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(block.states.words.data());
+  const std::uint8_t* from = bytes + offset_of(cell, 0) / 4;
+  std::array<std::uint8_t, 16> moved;
+  for (std::size_t row = 0; row < moved.size(); ++row) moved[row] = from[(row & 3) * 4 + (row >> 2) * 64];
+  std::array<std::uint64_t, 2> states;
+  std::memcpy(states.data(), moved.data(), moved.size());
+  return {bit_of_each(states, 0), bit_of_each(states, 1), bits_of_cell(block.observed_free, cell)};
+}
+
+void add_block(const ContentBlock& block, BlockStatesBuilder* states, VoxelPoints* points) {
+  const VoxelsByCell voxels = by_cell(block);
+  states->begin_block(block.index);
+  for (int cell = 0; cell < kCellsOfBlock; ++cell) {
+    const CellStates cell_states = states_of_cell(block, cell);
+    const std::vector<OccupiedVoxel>& occupied = voxels[static_cast<std::size_t>(cell)];
+    if (kernels::count_bits(cell_states.occupied) != occupied.size()) fail_mismatch();
+    states->add_cell(cell, cell_states);
+    for (const OccupiedVoxel& voxel : occupied) points->add(voxel);
+  }
+}
+
+void add_distances(const std::vector<float>& distances, MeasuredDistances* out) {
+  out->begin_block();
+  for (int cell = 0; cell < kCellsOfBlock; ++cell) {
+    MeasuredDistances::Cell codes;
+    bool any = false;
+    for (int voxel = 0; voxel < kVoxelsOfCell; ++voxel) {
+      const std::int8_t code = out->code_of(distances[static_cast<std::size_t>(offset_of(cell, voxel))]);
+      codes[static_cast<std::size_t>(voxel)] = code;
+      any |= code != MeasuredDistances::kNone;
+    }
+    if (any) out->add_cell(cell, codes);
+  }
+}
+
+/// Positions of the blocks that hold anything, by rising index.
+std::vector<std::size_t> order_of(const std::vector<ContentBlock>& blocks) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (!blocks[i].states.all_unknown() || !blocks[i].occupied.empty()) out.push_back(i);
+  }
+  std::sort(out.begin(), out.end(), [&](std::size_t a, std::size_t b) { return blocks[a].index < blocks[b].index; });
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (i > 0 && blocks[out[i - 1]].index == blocks[out[i]].index)
+      throw std::invalid_argument("map content has the same block twice");
+    if (!is_block_in_range(blocks[out[i]].index))
+      throw std::invalid_argument("map content has a block index out of range");
+  }
+  return out;
+}
+
+}  // namespace
+
+SubmapContent make_content(const occupancy::MapContent& content, double band,
+                           const std::vector<std::vector<float>>* distances) {
+  const std::vector<std::size_t> order = order_of(content.blocks);
+  BlockStatesBuilder states;
+  states.reserve(order.size());
+  VoxelPoints points;
+  points.reserve(content.num_occupied());
+  std::optional<MeasuredDistances> measured;
+  if (distances) measured.emplace(band);
+  for (const std::size_t i : order) {
+    add_block(content.blocks[i], &states, &points);
+    if (measured) add_distances((*distances)[i], &*measured);
+  }
+  points.finish();
+  if (measured) measured->finish();
+  return {states.finish(), std::move(points), std::move(measured), band};
+}
+
+}  // namespace voxnav::submap

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "submap/content/submap_content.hpp"
+
+namespace voxnav::submap {
+
+/// What distance is measured to: the surface point in an occupied voxel, or the voxel as a cube.
+enum class NearestTarget : std::uint8_t { kSurfacePoint, kVoxelCube };
+
+struct NearestVoxel {
+  geometry::Vec3 point;  ///< the nearest point of it
+  double squared = 0.0;  ///< distance to that point
+};
+
+/// The occupied voxel nearest to p within `max_distance`, exact; voxel edges. O(blocks within reach).
+std::optional<NearestVoxel> find_nearest(const SubmapContent& content, const geometry::Vec3& p, double max_distance,
+                                         NearestTarget target);
+
+}  // namespace voxnav::submap

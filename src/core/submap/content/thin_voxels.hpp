@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "submap/content/block_states.hpp"
+
+namespace voxnav::submap {
+
+/// For every occupied voxel, by its number, whether it has so few occupied voxels around it that no surface can go
+/// through it: wires, poles, thin trunks, single voxels. O(occupied voxels).
+std::vector<bool> find_thin(const BlockStates& states);
+
+}  // namespace voxnav::submap

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "submap/distance/surface_normals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/neighborhood.hpp"
+
+namespace voxnav::submap {
+namespace {
+
+using containers::State;
+using geometry::Vec3f;
+using kernels::Neighborhood;
+
+State state_behind(const ContentWindow& window, const ContentWindow::Place& place, const Vec3f& normal) {
+  const float half = 0.5f * normal.cwiseAbs().maxCoeff();
+  const auto step = [&](float c) { return (c <= -half ? 1 : 0) - (c >= half ? 1 : 0); };
+  return window.state(place.x + step(normal.x()), place.y + step(normal.y()), place.z + step(normal.z()));
+}
+
+/// @param normal  of the plane through the surface points around, either way up; zero where there is none
+SurfaceNormal judge(const ContentWindow& window, std::size_t voxel, const Neighborhood& around, Vec3f normal) {
+  const ContentWindow::Place& place = window.places()[voxel];
+  constexpr float kOneSided = 0.25f;
+  const float num_free = around.towards_free[3];
+  const Vec3f towards_free(around.towards_free[0], around.towards_free[1], around.towards_free[2]);
+  const float length = towards_free.norm();
+  const float strength = length / num_free;
+  const Vec3f free_side = strength > 1e-3f ? Vec3f(towards_free * (1.f / length)) : Vec3f(Vec3f::Zero());
+  if (strength > kOneSided) {
+    const float along = normal.dot(free_side);  // zero where there is no plane
+    if (along < 0.f) normal = -normal;
+    if (std::abs(along) > 0.3f && state_behind(window, place, normal) != State::kFree) return {normal, kPlanarQuality};
+    const bool is_solid = state_behind(window, place, free_side) == State::kOccupied;
+    return {free_side, is_solid ? kSolidQuality : kOneSidedQuality};
+  }
+  // Seen from all around: the hits lie on the side they came from.
+  const Vec3f mean = window.mean(voxel);
+  const bool has_side = mean.norm() > 0.05f;
+  return {has_side ? Vec3f(mean.normalized()) : !free_side.isZero() ? free_side : Vec3f(Vec3f::UnitX()), kThinQuality};
+}
+
+/// Whether anything around a voxel is free.
+bool is_seen(const ContentWindow& window, const ContentWindow::Place& place) {
+  std::uint32_t free = 0;
+  for (int row = 0; row < 9; ++row) free |= window.free(place.y + row % 3 - 1, place.z + row / 3 - 1);
+  return ((free >> (place.x - 1 + ContentWindow::kHalo)) & 7u) != 0;
+}
+
+}  // namespace
+
+void estimate_normals(const ContentWindow& window, const std::vector<std::uint16_t>& voxels,
+                      std::vector<SurfaceNormal>* normals) {
+  normals->assign(voxels.size(), {});
+  kernels::NeighborhoodBatch batch;
+  kernels::PlaneNormals planes;
+  std::array<std::uint16_t, kernels::kTogether> which, place;  // of the batch: voxels, and where their normals go
+  std::array<kernels::WindowVoxel, kernels::kTogether> asked;
+  std::size_t count = 0;
+  const auto finish = [&] {
+    for (std::size_t k = count; k < kernels::kTogether; ++k) which[k] = which[0];
+    for (std::size_t k = 0; k < kernels::kTogether; ++k) asked[k] = window.places()[which[k]];
+    kernels::look_around(window.view(), asked, &batch);
+    kernels::fit_planes(batch, &planes);
+    for (std::size_t k = 0; k < count; ++k) {
+      (*normals)[place[k]] = judge(window, which[k], batch[k], Vec3f(planes[0][k], planes[1][k], planes[2][k]));
+    }
+    count = 0;
+  };
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    if (!is_seen(window, window.places()[voxels[i]])) continue;  // deep inside
+    which[count] = voxels[i];
+    place[count++] = static_cast<std::uint16_t>(i);
+    if (count == kernels::kTogether) finish();
+  }
+  if (count > 0) finish();
+}
+
+}  // namespace voxnav::submap

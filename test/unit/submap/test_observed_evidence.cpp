@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The merged map is made of what each submap saw itself: what a local map merely remembered lies where a drifted pose
+// put it, and no correction of the submap that carries it puts it right.
+#include <gtest/gtest.h>
+
+#include "content_builder.hpp"
+#include "scan_maker.hpp"
+#include "voxnav/submap/submap_collection.hpp"
+
+using namespace voxnav;  // NOLINT: test
+using containers::State;
+using geometry::Pose;
+using geometry::Vec3;
+using submap::Submap;
+using submap::SubmapCollection;
+using submap::SubmapEntry;
+
+namespace {
+
+constexpr double kVoxel = 0.4;
+
+SubmapEntry entry_of(std::uint32_t id, const occupancy::MapContent& content, const Pose& T_W_S = Pose::Identity()) {
+  SubmapEntry entry;
+  entry.id = id;
+  entry.end_ns = id;
+  entry.T_W_S = T_W_S;
+  entry.submap = Submap::from_content(content, Pose::Identity(), {});
+  return entry;
+}
+
+/// Free space with a wall across x, both seen by the submap or only remembered.
+occupancy::MapContent wall_at(int x_wall, bool is_remembered) {
+  test::ContentBuilder builder(kVoxel);
+  for (int z = 0; z < 8; ++z) {
+    for (int y = -12; y < 12; ++y) {
+      for (int x = -12; x < x_wall; ++x) {
+        builder.set_free({x, y, z});
+        if (is_remembered) builder.set_remembered({x, y, z});
+      }
+      builder.set_occupied({x_wall, y, z});
+      if (is_remembered) builder.set_observed({x_wall, y, z}, Vec3::Zero(), 0);
+    }
+  }
+  return builder.build();
+}
+
+/// A wall in W along x, 8 m long, sampled; each voxel several times.
+std::vector<Vec3> wall(double x_from) {
+  std::vector<Vec3> out;
+  for (double x = x_from + 0.05; x < x_from + 8.0; x += 0.1) {
+    for (double z = 0.25; z < 2.0; z += 0.1) out.push_back({x, 4.03, z});
+  }
+  return out;
+}
+
+}  // namespace
+
+/// Two walls on the way of a local map whose pose has drifted by 0.9 m when the second one is seen.
+TEST(ObservedEvidence, AMapOfCorrectedSubmapsIsNotDoubled) {
+  occupancy::LocalMap map(occupancy::LocalMapConfig{});
+  const Vec3 drift(0.1, 0.9, 0.0);
+  std::vector<Vec3> truth = wall(0.0);
+  for (int i = 0; i < 20; ++i) test::insert_from(&map, {0.2 * i, 0.0, 1.0}, truth);
+  SubmapCollection collection({});
+  collection.add(entry_of(1, map.hand_over()));
+  std::vector<Vec3> seen = wall(9.0);
+  truth.insert(truth.end(), seen.begin(), seen.end());
+  for (Vec3& p : seen) p += drift;
+  for (int i = 0; i < 20; ++i) test::insert_from(&map, Vec3(9.0 + 0.2 * i, 0.0, 1.0) + drift, seen);
+  collection.add(entry_of(2, map.hand_over(), test::at(-drift.x(), -drift.y(), 0.0)));
+  std::size_t right = 0;
+  const auto points = collection.occupied_points();
+  for (const auto& p : points) {
+    right += std::any_of(truth.begin(), truth.end(),
+                         [&](const Vec3& q) { return (q - p.cast<double>()).norm() < 0.5 * kVoxel; });
+  }
+  ASSERT_GT(points.size(), 150u);
+  EXPECT_EQ(right, points.size());
+}
+
+TEST(ObservedEvidence, RememberedFreeSpaceTakesNothingAway) {
+  SubmapCollection collection({});
+  const auto content = wall_at(0, false);
+  collection.add(entry_of(1, content));
+  collection.add(entry_of(2, wall_at(8, true)));
+  EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
+  EXPECT_EQ(collection.state({1.0, 0.2, 0.2}), State::kUnknown);
+  EXPECT_TRUE(collection.changes(1).empty());
+  collection.add(entry_of(3, wall_at(8, false)));  // the same, seen
+  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), State::kFree);
+  EXPECT_FALSE(collection.changes(1).empty());
+}
+
+namespace {
+
+/// Ground below z = 0.3 m, seen from above; or free space alone from the voxel layer `lowest` up to `highest`.
+occupancy::MapContent ground() {
+  test::ContentBuilder builder(kVoxel);
+  for (int i = 0; i < 24 * 24; ++i) {
+    builder.set_occupied({i % 24 - 12, i / 24 - 12, 0}, Vec3(0, 0, 0.25));
+    builder.set_free({i % 24 - 12, i / 24 - 12, 1});
+  }
+  return builder.build();
+}
+
+occupancy::MapContent air(int lowest, int highest) {
+  test::ContentBuilder builder(kVoxel);
+  for (int i = 0; i < 24 * 24; ++i) {
+    for (int z = lowest; z <= highest; ++z) builder.set_free({i % 24 - 12, i / 24 - 12, z});
+  }
+  return builder.build();
+}
+
+}  // namespace
+
+/// Between the rings that a LiDAR draws on the ground, rays cross its voxels and hit nothing near.
+TEST(ObservedEvidence, GroundStaysUnderRaysThatGrazeIt) {
+  SubmapCollection collection({});
+  const auto content = ground();
+  collection.add(entry_of(1, content));
+  collection.add(entry_of(2, air(0, 3)));
+  EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
+  EXPECT_TRUE(collection.changes(1).empty());
+}
+
+TEST(ObservedEvidence, WhatTwoSubmapsSawThroughIsGone) {
+  SubmapCollection collection({});
+  collection.add(entry_of(1, ground()));
+  collection.add(entry_of(2, air(0, 3)));
+  collection.add(entry_of(3, air(-1, -1)));  // below it, where the other had looked above
+  EXPECT_TRUE(collection.occupied_points().empty());
+  ASSERT_EQ(collection.changes(1).size(), 1u);
+  EXPECT_EQ(collection.changes(1).front().submap_id, 3u);
+}
+
+TEST(ObservedEvidence, ADoubtEndsWhereASurfaceIsSeenAgain) {
+  SubmapCollection collection({});
+  const auto content = ground();
+  collection.add(entry_of(1, content));
+  collection.add(entry_of(2, air(0, 3)));
+  SubmapEntry again = entry_of(3, content, test::at(0.0, 0.0, 0.15));  // in the voxels above, but near
+  collection.add(again);
+  collection.add(entry_of(4, air(-1, -1)));
+  std::size_t kept = 0;
+  for (const auto& p : collection.occupied_points()) kept += p.z() < kVoxel;
+  EXPECT_EQ(kept, content.num_occupied());
+}
+
+TEST(ObservedEvidence, MemoryCountsWhereNothingElseIsKnown) {
+  SubmapCollection collection({});
+  const auto content = wall_at(0, true);
+  collection.add(entry_of(7, content));  // as after a restart: nobody has submap 6
+  EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
+  EXPECT_EQ(collection.state({-1.0, 0.2, 0.2}), State::kFree);
+  // Submap 6 comes late, and what 7 remembers of it is its own to say.
+  collection.add(entry_of(6, wall_at(2, false)));
+  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), State::kFree);
+  for (const auto& p : collection.occupied_points()) ASSERT_NEAR(p.x(), 2.5 * kVoxel, 1e-3);
+  collection.remove(6);
+  EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
+}
+
+TEST(ObservedEvidence, MemoryOfAnotherFlightDoesNotOverrideAMap) {
+  SubmapCollection collection({});
+  const auto content = wall_at(0, false);
+  collection.add(entry_of(1, content));
+  SubmapEntry later = entry_of(2, wall_at(2, true));
+  later.flight = 1;
+  collection.add(later);
+  EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
+  EXPECT_EQ(collection.state({0.2, 0.2, 0.2}), State::kOccupied);
+}
+
+namespace {
+
+/// A wall across x that was seen, and one that was only remembered.
+occupancy::MapContent with_memory(int x_wall, int x_remembered) {
+  test::ContentBuilder builder(kVoxel);
+  for (int z = 0; z < 8; ++z) {
+    for (int y = -12; y < 12; ++y) {
+      builder.set_occupied({x_wall, y, z});
+      builder.set_occupied({x_remembered, y, z});
+      builder.set_observed({x_remembered, y, z}, Vec3::Zero(), 0);
+    }
+  }
+  return builder.build();
+}
+
+std::size_t count_at(SubmapCollection* collection, double x_m) {
+  std::size_t count = 0;
+  for (const auto& p : collection->occupied_points()) count += std::abs(p.x() - x_m) < 0.1;
+  return count;
+}
+
+}  // namespace
+
+/// The wall at voxel 2 was seen by submap 1, and again by submap 3. Submap 2 remembers it where odometry had it.
+TEST(ObservedEvidence, ADroppedSubmapDoesNotComeBackBesideWhatOthersSaw) {
+  submap::SubmapCollectionConfig config;
+  config.max_submaps = 2;
+  SubmapCollection collection(config);
+  collection.add(entry_of(1, wall_at(2, false)));
+  collection.add(entry_of(2, with_memory(40, 4)));
+  collection.update();
+  collection.add(entry_of(3, wall_at(2, false)));
+  ASSERT_EQ(collection.num_dropped(), 1u);
+  const std::size_t whole = wall_at(2, false).num_occupied();
+  EXPECT_EQ(count_at(&collection, 2.5 * kVoxel), whole);
+  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), 0u);  // memory of the first one
+  EXPECT_EQ(count_at(&collection, 40.5 * kVoxel), whole);
+}
+
+/// What nobody else saw is not lost with the submap that did, until somebody sees the place himself.
+TEST(ObservedEvidence, MemoryStandsInForADroppedSubmapUntilAnotherSeesThePlace) {
+  submap::SubmapCollectionConfig config;
+  config.max_submaps = 2;
+  SubmapCollection collection(config);
+  collection.add(entry_of(1, wall_at(2, false)));
+  collection.add(entry_of(2, with_memory(40, 4)));
+  collection.add(entry_of(3, with_memory(80, 40)));
+  collection.update();
+  const std::size_t whole = wall_at(2, false).num_occupied();
+  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), whole);
+  config.max_submaps = 5;
+  SubmapCollection larger(config);  // submap 1 was lost on its way
+  for (const std::uint32_t id : {2u, 3u}) larger.add(*collection.find(id));
+  larger.update();
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), whole);
+  larger.add(entry_of(4, wall_at(2, false)));
+  larger.update();
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), 0u);
+  EXPECT_EQ(count_at(&larger, 2.5 * kVoxel), whole);
+  // The same whatever came first, and again without it.
+  SubmapCollection fresh(config);
+  for (const std::uint32_t id : {4u, 3u, 2u}) fresh.add(*larger.find(id));
+  EXPECT_EQ(fresh.occupied_points(), larger.occupied_points());
+  larger.remove(4);
+  EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), whole);
+  EXPECT_EQ(count_at(&larger, 2.5 * kVoxel), 0u);
+}
