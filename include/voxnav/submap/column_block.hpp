@@ -26,7 +26,7 @@ struct ColumnBlock {
   bool all_unknown() const;
 };
 
-/// 2 bits per voxel, x fastest, as everything outside wants it.
+/// The same states with 2 bits per voxel, x fastest, as grids outside of submaps have them.
 containers::StateBlock to_states(const ColumnBlock& block);
 ColumnBlock to_columns(const containers::StateBlock& states);
 

@@ -63,7 +63,7 @@ class EvidenceMap {
   explicit EvidenceMap(const EvidenceRules& rules);
 
   void clear_block(const geometry::Index3& block) { blocks_.erase(block); }
-  /// The same for a block that submaps are added to again: its memory is kept for them.
+  /// Forgets what is known of a block to which submaps are added again: its memory is kept for them.
   void reset_block(const geometry::Index3& block);
   /// Adds what one submap knows of one block. Call in order of age. O(surface points of the block + 16^2).
   void integrate(const geometry::Index3& block, const PlacedSubmap& submap);
@@ -76,7 +76,7 @@ class EvidenceMap {
   geometry::Vec3 point_of(const geometry::Index3& block, const SurfaceEvidence& evidence) const;
   /// Nearest believed surface point within max_distance_m; exact. O(blocks within reach), whatever the map's size.
   std::optional<NearestSurface> nearest_surface(const geometry::Vec3& p_W, double max_distance_m) const;
-  /// Its distance alone.
+  /// Distance to that point alone.
   std::optional<double> distance_to_surface(const geometry::Vec3& p_W, double max_distance_m) const;
   std::size_t memory_bytes() const;
 

@@ -18,7 +18,8 @@ class ObstacleMap {
   /// @throws std::invalid_argument unless resolution_m > 0 and 0 <= safety_distance_m <= 10
   ObstacleMap(double resolution_m, double safety_distance_m);
 
-  /// The evidence of these blocks changed: they are due, and those within reach where a surface changed.
+  /// Says that the evidence of these blocks changed. They become due, and where a surface changed so do those within
+  /// reach.
   void mark_changed(const std::vector<geometry::Index3>& blocks);
   /// Recomputes at most `max_blocks` due blocks. Cost follows them, not the map. @return how many are still due
   std::size_t update(const EvidenceMap& evidence, std::size_t max_blocks);
@@ -41,9 +42,9 @@ class ObstacleMap {
   int reach_blocks_;
   containers::StateGrid grid_;
   std::vector<geometry::Index3> marked_;
-  std::vector<geometry::Index3> due_;  ///< sorted, backwards
+  std::vector<geometry::Index3> due_;  ///< sorted backwards, so that the next one is the last
   std::vector<geometry::Index3> changed_;
-  /// Checksum of the surface points of each block, as they were when it was last looked at.
+  /// Checksum of the surface points of each block when it was last looked at.
   std::unordered_map<geometry::Index3, std::uint64_t, geometry::Index3Hash> surfaces_;
 };
 

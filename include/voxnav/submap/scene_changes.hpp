@@ -9,14 +9,14 @@
 
 namespace voxnav::submap {
 
-/// Something that came or went between submaps.
+/// Something that appeared or disappeared between submaps.
 struct SceneChange {
   enum class Kind : std::uint8_t { kAppeared, kDisappeared };
   Kind kind;
   geometry::Aabb box_W;
   geometry::Vec3 center_W;  ///< mean of its surface points
   std::size_t num_voxels = 0;
-  std::uint32_t submap_id = 0;  ///< the newest one that shows the change
+  std::uint32_t submap_id = 0;  ///< the newest submap that shows the change
 };
 
 /// Connected groups (26 neighbours) of at least `min_voxels` voxels that lost their surface to newer free space, or got

@@ -38,22 +38,22 @@ class Submap final : public geometry::DistanceField {
   /// @complexity near surfaces O(1) while their block is cached, else O(blocks within reach)
   /// @throws std::runtime_error when the submap was moved to disk and cannot be read back
   bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
-  /// Derived when first asked for.
+  /// Points that registration takes, derived when first asked for.
   const std::vector<geometry::SurfacePoint>& surface_points() const override;
   geometry::Aabb surface_bounds() const override;
   double resolution_m() const override { return resolution_m_; }
 
   containers::State state(const geometry::Vec3& p_S) const;
-  /// Surface point of every occupied voxel, frame S; none is left out.
+  /// The surface point of every occupied voxel [m, frame S]; none is left out.
   std::vector<geometry::Vec3f> occupied_points() const;
-  /// Box around everything known, frame S.
+  /// Box around everything known [m, frame S].
   geometry::Aabb known_bounds() const { return known_bounds_; }
   const geometry::Pose& T_S_G() const { return T_S_G_; }
   const SubmapConfig& config() const { return config_; }
-  /// What it holds in memory itself; cached distances are not counted (set_distance_cache_bytes()).
+  /// What the submap holds in memory itself; cached distances are not counted (set_distance_cache_bytes()).
   std::size_t memory_bytes() const;
 
-  /// Leaves the content to a file, which belongs to the submap from then on and is removed with it. Answers stay the
+  /// Moves the content to a file, which belongs to the submap from then on and is removed with it. Answers stay the
   /// same. @throws std::runtime_error when it cannot be written (the content then stays in memory)
   void page_out(const std::string& path) const;
   bool is_resident() const { return std::atomic_load(&content_) != nullptr; }

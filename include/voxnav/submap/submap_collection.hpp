@@ -51,16 +51,16 @@ struct SubmapEntry {
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
   geometry::Pose T_O_S = geometry::Pose::Identity();
-  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< of its middle
+  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< pose of its middle, as the graph has it
   geometry::Bend bend;
   std::vector<geometry::StampedPose> T_S_B;  ///< pose history
   std::shared_ptr<const Submap> submap;
 };
 
-/// All finished submaps and what they say together in the map frame W. A submap says what it saw itself: what its local
-/// map remembered was seen by submaps before it, which say so where they lie now. Where the one before it is absent
-/// (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything and no
-/// other one saw anything itself: memory that lies wrong would stand beside it. Not thread-safe.
+/// All finished submaps and what they say together in the map frame W. A submap says what it observed itself: what its
+/// local map remembered was observed by submaps before it, which say so where they lie now. Where the one before it is
+/// absent (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything
+/// and no other one observed anything: memory that lies wrong would stand beside what is right. Not thread-safe.
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
@@ -71,7 +71,7 @@ class SubmapCollection {
   /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
   void add(SubmapEntry entry);
-  /// @param bend  what drift did to it while it was made
+  /// Moves a submap. @param bend  what drift did to it while it was made
   /// @return false when there is no such submap
   bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S, const geometry::Bend& bend = {});
   bool remove(std::uint32_t id);
@@ -91,11 +91,13 @@ class SubmapCollection {
   /// As of the last update().
   const EvidenceMap& evidence() const;
 
-  /// These call update() first.
+  // The queries below bring the evidence up to date first.
+
+  /// Believed surface points [m, frame W], by blocks.
   std::vector<geometry::Vec3f> occupied_points();
   containers::StateGrid obstacles(double safety_distance_m);
   containers::State state(const geometry::Vec3& p_W);
-  /// Distance to the nearest believed surface, at most max_distance_m; nothing where W is unknown.
+  /// Distance to the nearest believed surface point, at most max_distance_m; nothing where W is unknown.
   std::optional<double> distance(const geometry::Vec3& p_W, double max_distance_m);
   /// Unit vector away from that surface, zero when none is that near; nothing where W is unknown.
   std::optional<geometry::Vec3> gradient(const geometry::Vec3& p_W, double max_distance_m);
@@ -106,13 +108,13 @@ class SubmapCollection {
   };
   /// @throws std::invalid_argument unless both ends are finite and less than 10 km apart
   Ray cast_ray(const geometry::Vec3& a_W, const geometry::Vec3& b_W);
-  /// Things that came or went between submaps.
+  /// Things that appeared or disappeared between submaps; see scene_changes().
   std::vector<SceneChange> changes(std::size_t min_voxels = 10);
 
   /// Takes the submaps of another map over, as newer flights; their ids are shifted behind the ones here.
   /// @return what was added to their ids  @throws std::invalid_argument on another resolution or an invalid pose
   std::uint32_t merge(const SubmapCollection& other, const geometry::Pose& T_W_other);
-  /// Submaps in memory; others rest in page_dir.
+  /// How many submaps are in memory; the others rest in page_dir.
   std::size_t num_resident() const;
 
   const SubmapCollectionConfig& config() const;

@@ -38,9 +38,9 @@ class VoxelWalk {
 
   const geometry::Index3& index() const { return index_; }
   int step(int axis) const { return step_[axis]; }
-  /// Where the voxel was entered, as a share of the way, 0 to 1.
+  /// Where the present voxel was entered, as a share of the way from a to b.
   double entered() const { return entered_; }
-  /// To the next voxel. @return the axis along which it went, -1 at the end
+  /// Goes on to the next voxel. @return the axis along which it went, -1 at the end
   int advance() {
     const int k = next_[0] <= next_[1] ? (next_[0] <= next_[2] ? 0 : 2) : (next_[1] <= next_[2] ? 1 : 2);
     if (remaining_[k] == 0) return -1;

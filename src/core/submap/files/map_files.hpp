@@ -4,17 +4,17 @@
 #include <set>
 #include <string>
 
-/// Files of a saved map. All throw std::runtime_error naming file and reason.
+/// Files of a saved map. All functions throw std::runtime_error naming the file and the reason.
 namespace voxnav::submap {
 
 std::string read_file(const std::string& path);
-/// The file holds the old bytes or the new ones, never a part, whatever interrupts the call.
+/// Replaces a file. It holds the old bytes or the new ones, never a part, whatever interrupts the call.
 void write_atomically(const std::string& path, const std::string& bytes);
-/// With all directories above it.
+/// Makes a directory with all directories above it.
 void make_directory(const std::string& path);
-/// What was renamed in it stays renamed after a loss of power.
+/// Makes sure that what was renamed in a directory stays renamed after a loss of power.
 void sync_directory(const std::string& directory);
-/// Submap files that are not in the list.
+/// Removes the submap files that are not in the list.
 void remove_unlisted(const std::string& directory, const std::set<std::string>& listed);
 
 }  // namespace voxnav::submap

@@ -8,11 +8,11 @@
 
 namespace voxnav::submap {
 
-/// A set of blocks as one bit for each block of the box around them: adding costs a few instructions, and what comes
-/// out is in order without sorting.
+/// A set of blocks as a bitmap of the box around them: adding a block costs a few instructions, and the blocks come out
+/// in order without sorting.
 class BlockMarks {
  public:
-  /// @param low, high  all blocks that may be marked, inclusive
+  /// @param low, high  corners of the box of blocks that may be marked, both inclusive
   BlockMarks(const geometry::Index3& low, const geometry::Index3& high);
   /// Whether a box is small enough to be kept like this.
   static bool fits(const geometry::Index3& low, const geometry::Index3& high);
@@ -25,7 +25,7 @@ class BlockMarks {
     const std::size_t bit = at(block);
     return (words_[bit >> 6] >> (bit & 63)) & 1;
   }
-  /// In the order of geometry::Index3.
+  /// The marked blocks in the order of geometry::Index3.
   std::vector<geometry::Index3> sorted() const;
 
  private:

@@ -22,8 +22,8 @@ struct FreeAt {
 /// as large as those of W. Places are computed in integers.
 class FreeWindow {
  public:
-  /// @param T_G_W  from voxel edges to voxel edges
-  /// @param free_of  free voxels of a block of the submap, null when there are none
+  /// @param T_G_W  from voxel edges of W to voxel edges of the submap
+  /// @param free_of  gives the free voxels of a block of the submap, or null when there are none
   template <class FreeOf>
   FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of);
 
@@ -43,7 +43,7 @@ class FreeWindow {
   static constexpr int kBlocks = 3;  ///< a block that is turned touches no more of them along an axis
   static constexpr int kRows = 26;
   static constexpr int kRowLength = kBlocks * geometry::kBlockSide;
-  // Parts of units of the submap.
+  // Fixed-point coordinates in units of the submap (kUnitShift).
   struct Fixed2 {
     std::int64_t x, y;
   };
@@ -58,15 +58,15 @@ class FreeWindow {
   std::array<geometry::Index3, 2> place(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W);
   void take(const geometry::Index3& block_G, const Columns& free);
 
-  // Parts of voxel edges, a number of lanes of which fits into a vector.
+  // Fixed-point coordinates in voxel edges that fit 32 bits, so that a vector instruction takes eight at once.
   static constexpr int kCenterShift = 25;
   using Center = kernels::TurnedBlock::Step;
 
-  Fixed3 origin_;             ///< of the block, from the lowest voxel of the window
+  Fixed3 origin_;             ///< corner of the block, from the lowest voxel of the window
   Fixed2 along_x_, along_y_;  ///< a step of one unit of W
-  Center center_;             ///< of its first voxel
+  Center center_;             ///< centre of the first voxel of the block
   Center right_, back_;       ///< a step of one voxel of W along x and y
-  geometry::Index3 low_;      ///< of the window: at the border of a block along x
+  geometry::Index3 low_;      ///< lowest voxel of the window, which lies at the border of a block along x
   int num_rows_ = 0;
   std::array<std::uint32_t, kRows * kRowLength> columns_;
 };

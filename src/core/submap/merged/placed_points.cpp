@@ -14,7 +14,7 @@ using geometry::kBlockSide;
 
 constexpr int kBlockUnits = kBlockSide * kUnitsPerEdge;
 
-/// Rounded down.
+/// The voxel of a coordinate, rounded down for negative ones too.
 int voxel_of(int units) { return (units >= 0 ? units : units - (kUnitsPerEdge - 1)) / kUnitsPerEdge; }
 
 /// The voxels of a block from `low` to `high` along one axis.
@@ -47,7 +47,7 @@ void PlacedPoints::sort() {
   for (std::size_t i = 0; i < num_added_; ++i) {
     points_[blocks_[block_of_added_[i]].first[added_[i].offset & 255u]++] = added_[i];
   }
-  // Each column has moved on to where the next one began.
+  // Each entry was moved on to where the next column began, so they are moved back by one column.
   for (Block& block : blocks_) {
     for (std::size_t i = block.first.size() - 1; i > 0; --i) block.first[i] = block.first[i - 1];
   }

@@ -11,26 +11,28 @@
 
 namespace voxnav::submap {
 
-/// The surface points of one submap in the blocks of W that they lie in, sorted by columns.
+/// The surface points of one submap in the blocks of W that they lie in, sorted by columns, so that the points around a
+/// place are found without looking through a block. Filled once, then read.
 class PlacedPoints {
  public:
   struct Block {
-    Columns occupied{};  ///< voxels with points; one may hold several
-    /// Of each column, counted in points of all blocks; the last is the end.
+    Columns occupied{};  ///< voxels with points; a voxel may hold several
+    /// Number of the first point of each column among those of all blocks; the last entry is the end of the block.
     std::array<std::uint32_t, geometry::kBlockSide * geometry::kBlockSide + 1> first{};
-    std::uint64_t time_sum = 0;  ///< of its points
+    std::uint64_t time_sum = 0;  ///< sum of the times of its points, 0 to 255 each
 
-    /// When they were seen on average, as a share of the submap's time. There has to be one.
+    /// When its points were seen on average, as a share of the submap's time. The block must have one.
     double phase() const {
       return static_cast<double>(time_sum) / (255.0 * static_cast<double>(first.back() - first.front()));
     }
   };
 
-  /// Add at most `count`, then sort() once. @param num_blocks  an estimate
+  /// Makes room. Afterwards at most `count` points are added, then sort() is called once.
+  /// @param num_blocks  an estimate
   void reserve(std::size_t count, std::size_t num_blocks);
-  /// The number of a block, new or not.
+  /// The number of a block, which is added if it is not there.
   std::uint32_t block(const geometry::Index3& index);
-  /// The next one, to be filled in and then sorted into its block.
+  /// The place of the next point, to be filled in before add_next().
   SurfaceEvidence* next() { return &added_[num_added_]; }
   void add_next(std::uint32_t block, std::uint16_t offset, std::uint8_t time) {
     Block& to = blocks_[block];
@@ -42,19 +44,19 @@ class PlacedPoints {
   }
   void sort();
 
-  /// Null when nothing lies there.
+  /// Null when no point lies in the block.
   const Block* find(const geometry::Index3& index) const;
   const SurfaceEvidence* begin(const Block& block) const { return points_.data() + block.first.front(); }
   const SurfaceEvidence* end(const Block& block) const { return points_.data() + block.first.back(); }
-  /// One block and those around it, each looked up once. No longer than the points live.
+  /// One block and those around it, each looked up once. Must not outlive the points.
   class Around {
    public:
     Around(const PlacedPoints& points, const geometry::Index3& index)
         : points_(&points), index_(index), center_(points.find(index)) {}
     const geometry::Index3& index() const { return index_; }
-    /// Null when nothing lies there.
+    /// Null when no point lies in the block itself.
     const Block* center() const { return center_; }
-    /// Whether a point lies nearer than `distance` voxel edges to p. @param p  from the corner of the block
+    /// Whether any point lies nearer than `distance` voxel edges to p. @param p  from the corner of the block
     bool has_within(const Units3& p, double distance) const;
 
    private:

@@ -9,8 +9,9 @@
 
 namespace voxnav::submap {
 
-/// The balls around the surface points of one block: its voxels and 8 around it on every side, one 32-bit word per
-/// column, bit z + 8. A point's ball is computed once, whichever of the 27 blocks it reaches into.
+/// The voxels within reach of the surface points of one block: those of the block and 8 around it on every side, one
+/// 32-bit word per column, bit z + 8. The ball around a point is computed once, whichever of the 27 blocks it reaches
+/// into.
 class BallWindow {
  public:
   static constexpr int kHalo = 8;
@@ -28,7 +29,8 @@ class BallWindow {
   std::array<std::uint32_t, kSide * kSide> columns_{};
 };
 
-/// The same for any reach, from one block into another that lies `step` blocks away.
+/// Sets the voxels of a block within reach of the points of another one, for any reach.
+/// @param step  from the block of the points to that of the voxels, blocks
 void add_balls(const EvidenceBlock& block, const geometry::Index3& step, double reach, Columns* mask);
 
 }  // namespace voxnav::submap

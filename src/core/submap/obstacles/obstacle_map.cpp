@@ -23,7 +23,7 @@ double checked_resolution(double resolution_m, double safety_distance_m) {
   return resolution_m;
 }
 
-/// Checksum of where the points are; which submap gave them does not matter.
+/// Checksum of where the surface points of a block are; which submap gave them does not matter.
 std::uint64_t sum_of(const EvidenceBlock& block) {
   std::uint64_t sum = 0x9E3779B97F4A7C15ull;
   for (const SurfaceEvidence& point : block.points) {
@@ -43,7 +43,8 @@ bool comes_later(const Index3& a, const Index3& b) {
   return b < a;
 }
 
-/// The blocks around one after another, from which balls reach into it. The next one along x takes what both share.
+/// The evidence of a block and of those around it, from which balls reach into it; moves from block to block. The next
+/// block along x keeps what both share.
 class Surroundings {
  public:
   /// @param reach  of the balls, voxel edges
@@ -97,7 +98,7 @@ class Surroundings {
     }
     source->window->copy_to(back, mask);
   }
-  /// Of blocks that no row from `row` on needs.
+  /// Frees the windows of blocks that no row from `row` on needs.
   void drop_windows(std::int32_t row) {
     for (auto it = windows_.begin(); it != windows_.end();) it = it->first.y < row - 1 ? windows_.erase(it) : ++it;
   }
