@@ -3,6 +3,7 @@
 
 #include "content_builder.hpp"
 #include "kernels/processor.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test

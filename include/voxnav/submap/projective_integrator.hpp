@@ -75,6 +75,8 @@ class ProjectiveIntegrator {
 
   explicit ProjectiveIntegrator(const ProjectiveConfig& config);
   ~ProjectiveIntegrator();
+  ProjectiveIntegrator(ProjectiveIntegrator&&) noexcept;
+  ProjectiveIntegrator& operator=(ProjectiveIntegrator&&) noexcept;
 
   /// Fuse one scan. @param points_L sensor frame, m; n may be 0  @param T_S_L pose at scan time
   /// @throws std::invalid_argument on an invalid pose

@@ -54,7 +54,8 @@ bool is_observed_free(const MapContent& content, const Vec3& p) {
   const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
   const int offset = geometry::offset_in_block(voxel);
   for (const auto& block : content.blocks) {
-    if (block.index == geometry::block_of(voxel)) return ((block.observed_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
+    if (block.index == geometry::block_of(voxel))
+      return ((block.observed_free[offset >> 6] >> (offset & 63)) & 1u) != 0;
   }
   return false;
 }
@@ -82,14 +83,14 @@ TEST(HandoverHits, OnlyHitsSinceTheLastHandoverAreOwn) {
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
   const MapContent before = map.hand_over();
   EXPECT_EQ(num_own(before), 2u);
-  EXPECT_EQ(leaf_at(before, first).observed.mean, leaf_at(before, first).mean);
+  EXPECT_EQ(leaf_at(before, first).observed.mean, leaf_at(before, first).believed.mean);
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {moved});
   const MapContent after = map.hand_over();
   EXPECT_EQ(num_own(after), 1u);
   const OccupiedVoxel leaf = leaf_at(after, moved);
-  EXPECT_EQ(leaf.hits, 20);
+  EXPECT_EQ(leaf.believed.hits, 20);
   EXPECT_EQ(leaf.observed.hits, 10);
-  EXPECT_NEAR((leaf.observed.mean[0] - leaf.mean[0]) * 0.4 / 254.0, 0.05, 0.003);
+  EXPECT_NEAR((leaf.observed.mean[0] - leaf.believed.mean[0]) * 0.4 / 254.0, 0.05, 0.003);
   EXPECT_EQ(num_own(map.content()), 0u);
 }
 

@@ -38,8 +38,9 @@ MapContent random_content(unsigned seed) {
       if (state == State::kFree && rng() % 3 == 0) set_observed_free(offset, &block);
       if (state != State::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
-      occupancy::OccupiedVoxel leaf{static_cast<std::uint16_t>(offset),
-                                   {{signed_byte(), signed_byte(), signed_byte()}, static_cast<std::uint8_t>(rng() % 256)}};
+      occupancy::OccupiedVoxel leaf{
+          static_cast<std::uint16_t>(offset),
+          {{signed_byte(), signed_byte(), signed_byte()}, static_cast<std::uint8_t>(rng() % 256)}};
       leaf.observed.hits = static_cast<std::uint8_t>(rng() % 3);
       if (leaf.observed.hits > 0) leaf.observed.mean = {signed_byte(), signed_byte(), signed_byte()};
       block.occupied.push_back(leaf);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fstream>
 
+#include "base/bytes.hpp"
 #include "content_builder.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 

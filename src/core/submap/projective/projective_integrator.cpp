@@ -19,6 +19,8 @@ ProjectiveIntegrator::ProjectiveIntegrator(const ProjectiveConfig& config)
     : volume_(std::make_unique<Volume>(config)) {}
 
 ProjectiveIntegrator::~ProjectiveIntegrator() = default;
+ProjectiveIntegrator::ProjectiveIntegrator(ProjectiveIntegrator&&) noexcept = default;
+ProjectiveIntegrator& ProjectiveIntegrator::operator=(ProjectiveIntegrator&&) noexcept = default;
 
 ProjectiveIntegrator::Counts ProjectiveIntegrator::integrate(const std::vector<geometry::Vec3f>& points_L,
                                                              const geometry::Pose& T_S_L) {
