@@ -132,7 +132,7 @@ TEST(HandoverHits, CountersSaturate) {
   for (int i = 0; i < 400; ++i) insert_from(&map, kOrigin, {p});
   map.hand_over();
   for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, {p});
-  EXPECT_EQ(leaf_at(map.content(), p).hits, 255);
+  EXPECT_EQ(leaf_at(map.content(), p).believed.hits, 255);
   EXPECT_EQ(leaf_at(map.content(), p).observed.hits, 3);
 }
 
