@@ -13,16 +13,13 @@ STILL_SHOWN = set()
 STILL_LOOKING = {
     ("src/bindings/planning_manager.cpp", "pipeline/plan_job.hpp"),
     ("src/bindings/planning_manager.cpp", "pipeline/safe_part.hpp"),
-    ("src/bindings/submap.cpp", "submap/registration/own_surface.hpp"),
-    ("src/ros/map_tiles.hpp", "submap/merged/evidence_map.hpp"),
-    ("src/ros/submap_integrator_map.hpp", "submap/obstacles/obstacle_map.hpp"),
 }
 # Public headers that nobody outside the core needs. This list only ever becomes shorter.
 STILL_UNWANTED = {
     "include/voxnav/planning/flight_time.hpp",
     "include/voxnav/planning/trajectory.hpp",
 }
-MAX_HEADERS = 61
+MAX_HEADERS = 65
 OUTSIDE = ("src/bindings/*.?pp", "src/ros/*.?pp", "src/simulation/*.?pp", "include/voxnav_ros/*.hpp",
            "include/voxnav_simulation/*.hpp", "docs/examples/*.cpp")
 
