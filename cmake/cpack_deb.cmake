@@ -14,7 +14,7 @@ set(CPACK_PACKAGE_NAME voxnav)
 set(CPACK_PACKAGE_VENDOR voxnav)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "LiDAR mapping and safe planning for UAVs")
 set(CPACK_PACKAGE_DESCRIPTION "LiDAR mapping and safe planning for UAVs\n ${description}")
-set(CPACK_PACKAGING_INSTALL_PREFIX /opt/voxnav)
+set(CPACK_INSTALL_PREFIX /opt/voxnav)
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_STRIP_FILES ON)
 # CPack asks for the first and uses the second.
