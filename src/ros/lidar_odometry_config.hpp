@@ -24,7 +24,7 @@ struct LidarOdometryNodeConfig {
     v("publish_tf", &C::publish_tf, base::any(), "",
       "publish odometry_frame as a child of body_frame, as MRS trees hang");
     v("imu_wait_s", &C::imu_wait_s, base::in(0.0, 1.0), "s",
-      "a cloud waits at most so long (wall time) for IMU samples up to the end of its sweep");
+      "a cloud waits at most so long for IMU samples up to the end of its sweep");
     v("imu_timeout_s", &C::imu_timeout_s, base::in(0.02, 10.0), "s", "an IMU silent for longer is not waited for");
   }
 };

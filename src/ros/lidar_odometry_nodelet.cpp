@@ -16,9 +16,6 @@ constexpr double kLogPeriod_s = 5.0;
 constexpr std::size_t kMaxEarlySamples = 1000;
 constexpr double kWaitCheck_s = 0.005;
 
-/// For clouds that wait for IMU samples, which may never come.
-double wall_s() { return ros::SteadyTime::now().toSec(); }
-
 }  // namespace
 
 void LidarOdometryNodelet::initialize() {
@@ -63,6 +60,7 @@ std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::
 }
 
 void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
+  clock().reach(msg->header.stamp);
   if (!R_B_I_) {
     const auto T_B_I = mounting(msg->header.frame_id);
     if (!T_B_I) return;
@@ -83,6 +81,7 @@ void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
 }
 
 void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
+  clock().reach(msg->header.stamp);
   try {
     if (!estimator_ && !make_estimator(msg->header.frame_id))
       return drop(msg->header.stamp, "the LiDAR's mounting is unknown");
@@ -90,7 +89,7 @@ void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg
       return drop(msg->header.stamp, "cloud on " + points_topic_ + " is in frame '" + msg->header.frame_id +
                                          "', the ones before were in '" + lidar_frame_ + "'");
     }
-    gate_->add(sweep_of(*msg), wall_s());
+    gate_->add(sweep_of(*msg), clock().now_s());
   } catch (const std::exception& error) {
     return drop(msg->header.stamp, "cloud on " + points_topic_ + " refused: " + error.what());
   }
@@ -110,7 +109,7 @@ bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
 void LidarOdometryNodelet::on_wait(const ros::SteadyTimerEvent&) { process_ready(); }
 
 void LidarOdometryNodelet::process_ready() {
-  while (const auto sweep = gate_->next(wall_s())) process(*sweep);
+  while (const auto sweep = gate_->next(clock().now_s())) process(*sweep);
 }
 
 void LidarOdometryNodelet::process(const voxnav::cloud::Sweep& sweep) {

@@ -12,9 +12,6 @@ namespace {
 /// Scans that wait for their pose are looked through so often within tf_timeout_s.
 constexpr int kChecksPerTimeout = 4;
 
-/// For what waits for a pose: in simulated time that stands still a scan without one would be waited for in vain.
-double wall_s() { return ros::SteadyTime::now().toSec(); }
-
 /// Due when `period_s` has passed since the last time, or when time went back.
 bool is_due(const ros::Time& now, double period_s, ros::Time* last) {
   if (now >= *last && !last->isZero() && (now - *last).toSec() < period_s) return false;
@@ -68,14 +65,15 @@ void LocalMapperNodelet::start() {
   tf_->start(nh, [this] { process(); });
   overdue_ = nh.createSteadyTimer(ros::WallDuration(config_.tf_timeout_s / kChecksPerTimeout),
                                   [this](const ros::SteadyTimerEvent&) {
-                                    mapper_->drop_overdue(wall_s(), config_.tf_timeout_s);
+                                    mapper_->drop_overdue(clock().now_s(), config_.tf_timeout_s);
                                     process();
                                   });
 }
 
 void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
+  clock().reach(msg->header.stamp);
   try {
-    mapper_->add_sweep(sweep_of(*msg), std::nullopt, wall_s());
+    mapper_->add_sweep(sweep_of(*msg), std::nullopt, clock().now_s());
     warn_of_missing_beams(*msg);
   } catch (const std::exception& error) {
     drop(msg->header.stamp, error.what());
@@ -85,6 +83,7 @@ void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) 
 }
 
 void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
+  clock().reach(msg->header.stamp);
   const auto T_O_B = from_msg(msg->pose.pose);
   if (msg->header.frame_id != config_.odometry_frame || msg->child_frame_id != config_.body_frame) {
     warn("odometry from '" + msg->header.frame_id + "' to '" + msg->child_frame_id + "' is refused, it must be from '" +

@@ -15,14 +15,12 @@ from recordings import ROOT, sweeps, write_bag  # noqa: E402
 from voxnav.offline.cli import main as map_bag  # noqa: E402
 
 NUM_SCANS = 36
-# Open beams, submaps that close during the flight, and no timeout that the load of the machine could reach.
+# Open beams, and submaps that close during the flight.
 NODES = """
 cloud_filter: {open_beams: {is_enabled: true}}
 local_mapper:
   map: {no_return_range_m: 8.0}
   submap: {period_s: 0.9, min_period_s: 0.5}
-  node: {tf_timeout_s: 10.0}
-lidar_odometry: {node: {imu_wait_s: 1.0}}
 """
 OFFLINE = """
 run: {pose_source: %s}

@@ -23,6 +23,7 @@ from voxnav.offline.datasets import Imu, Odometry
 
 
 SWEEP_S = 0.1  # of the usual sensors
+LAST_SCAN_LIMIT_S = 10.0  # its poses may never come
 
 
 class PlayerError(RuntimeError):
@@ -77,7 +78,8 @@ class DataPlayer:
             for topic in (self._cloud, self._imu, self._odometry))
 
     def play(self):
-        """Play everything, yielding the number of scans played, and wait until the nodes are done with all of it.
+        """Play everything, yielding the number of scans played, and wait until the nodes are done with all of it, as far as
+        they can be.
 
         Raises PlayerError when a node stops answering.
         """
@@ -85,8 +87,11 @@ class DataPlayer:
         for count, record in enumerate(self._scans(), 1):
             self._play_scan(record)
             yield count
-        self._wait_for = dict.fromkeys(self._wait_for, 0)
-        self._await()
+        self._wait_for, self._timeout_s = dict.fromkeys(self._wait_for, 0), LAST_SCAN_LIMIT_S
+        try:
+            self._await()
+        except PlayerError as error:  # nothing comes any more that would tell the poses of the last scans
+            rospy.logwarn("the recording ends within its last scan: %s", error)
 
     def keep_time(self):
         """Lets the clock go on after the last scan, until the node ends, so that tf and rviz go on too."""
