@@ -11,9 +11,9 @@
 #include <string>
 
 #include "forest_flight.hpp"
-#include "voxnav/submap/registration_field.hpp"
 #include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
+#include "voxnav/submap/registration_field.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
 using geometry::Pose;

@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "forest_flight.hpp"
-#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/base/stage_statistics.hpp"
+#include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
