@@ -78,7 +78,7 @@ class DataPlayer:
             for topic in (self._cloud, self._imu, self._odometry))
 
     def play(self):
-        """Play everything, yielding the number of scans played, and wait until the nodes are done with all of it, as far as
+        """Play everything, yielding the number of scans played, and wait until the nodes are done with it, as far as
         they can be.
 
         Raises PlayerError when a node stops answering.

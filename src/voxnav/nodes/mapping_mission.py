@@ -22,8 +22,8 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav
     reference: (stamps, positions) on the recording's clock, or None.
     """
     nodes = MAPPING_NODES if has_poses else MAPPING_NODES + ("lidar_odometry",)
-    # With times of their own, points wait for IMU samples up to the end of their sweep and for the pose there: they come
-    # with the next cloud, and with LiDAR odometry one cloud later.
+    # With times of their own, points wait for IMU samples up to the end of their sweep and for the pose there. Those
+    # come with the next cloud, and with LiDAR odometry one cloud later.
     lags = {"cloud_filter": 0, "local_mapper": 1} if has_poses else {
         "cloud_filter": 0, "lidar_odometry": 1, "local_mapper": 2}
     recorder, player, played = None, None, 0
