@@ -20,3 +20,15 @@ catkin_package(
   CFG_EXTRAS voxnav-extras.cmake)
 
 set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
+
+# Catkin runs tests in a copy of the environment that it took when the workspace was configured. In a workspace that was
+# never configured before, that copy lacks the folders that did not exist at that moment, and no test would find voxnav:
+# the folders are made and the copy is taken again.
+set(voxnav_environment_script ${CMAKE_BINARY_DIR}/catkin_generated/generate_cached_setup.py)
+if(EXISTS ${voxnav_environment_script})
+  file(MAKE_DIRECTORY ${VOXNAV_PYTHON_DIR} ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_LIB_DESTINATION})
+  execute_process(COMMAND ${PYTHON_EXECUTABLE} ${voxnav_environment_script} RESULT_VARIABLE voxnav_environment_failed)
+  if(voxnav_environment_failed)
+    message(FATAL_ERROR "Catkin's environment for tests could not be written by ${voxnav_environment_script}")
+  endif()
+endif()
