@@ -90,7 +90,7 @@ void measure(int num_submaps, double drift_m) {
   const std::vector<Flown> flown = fly(num_submaps);
   const std::vector<Vec3> drift = drift_of(flown.size(), drift_m);
   graph::SubmapGraph graph;
-  graph::Matrix4 information = graph::Matrix4::Zero();
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   information.diagonal() << 4.0, 4.0, 100.0, 2500.0;
   std::vector<double> seconds;
   std::vector<Pose> odometry;

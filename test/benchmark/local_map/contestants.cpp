@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "occupancy/log_odds.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 namespace voxnav::benchmark {

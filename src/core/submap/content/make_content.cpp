@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 #include <stdexcept>
 
 #include "submap/content/block_states_builder.hpp"
@@ -14,31 +15,46 @@ using containers::State;
 using occupancy::ContentBlock;
 using occupancy::OccupiedVoxel;
 
-using VoxelsByCell = std::array<std::vector<OccupiedVoxel>, kCellsOfBlock>;
-
 [[noreturn]] void fail_mismatch() {
   throw std::invalid_argument("map content has occupied voxels that do not match its states");
 }
 
 /// A mean of -128 lies outside of its voxel and would break the symmetry of what is computed from it.
-occupancy::VoxelPoint clamped(occupancy::VoxelPoint point) {
-  for (std::int8_t& c : point.mean) c = std::max<std::int8_t>(c, -127);
-  return point;
+bool is_outside(const occupancy::VoxelPoint& point) {
+  return point.mean[0] == -128 || point.mean[1] == -128 || point.mean[2] == -128;
 }
 
-/// Occupied voxels of a block cell by cell, in the order of their voxels, which is also that of their offsets.
-VoxelsByCell by_cell(const ContentBlock& block) {
-  VoxelsByCell out;
+OccupiedVoxel clamped(OccupiedVoxel voxel) {
+  for (occupancy::VoxelPoint* point : {&voxel.believed, &voxel.observed})
+    for (std::int8_t& c : point->mean) c = std::max<std::int8_t>(c, -127);
+  return voxel;
+}
+
+/// Numbers of the occupied voxels of a block, cell by cell and within a cell by rising offset. The voxels themselves
+/// stay where they are, because copies of them took half the time of filling a submap.
+struct VoxelsByCell {
+  std::array<std::uint16_t, kCellsOfBlock + 1>
+      first{};  ///< where the numbers of a cell begin; those of the next end them
+  std::array<std::uint16_t, geometry::kBlockVolume> numbers;
+
+  void sort(const ContentBlock& block);
+};
+
+void VoxelsByCell::sort(const ContentBlock& block) {
+  first.fill(0);
   int last = -1;
   for (const OccupiedVoxel& voxel : block.occupied) {
     const bool fits = voxel.offset < geometry::kBlockVolume && voxel.offset > last &&
                       block.states.get(voxel.offset) == State::kOccupied;
     if (!fits) fail_mismatch();
     last = voxel.offset;
-    out[static_cast<std::size_t>(cell_of(voxel.offset))].push_back(
-        {voxel.offset, clamped(voxel.believed), clamped(voxel.observed), voxel.observed_time});
+    ++first[static_cast<std::size_t>(cell_of(voxel.offset)) + 1];
   }
-  return out;
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::array<std::uint16_t, kCellsOfBlock> next;
+  std::copy_n(first.begin(), next.size(), next.begin());
+  for (std::size_t i = 0; i < block.occupied.size(); ++i)
+    numbers[next[static_cast<std::size_t>(cell_of(block.occupied[i].offset))]++] = static_cast<std::uint16_t>(i);
 }
 
 /// Bit per voxel of a cell, out of those of its block: four voxels along x lie side by side in both.
@@ -63,15 +79,19 @@ CellStates states_of_cell(const ContentBlock& block, int cell) {
   return {bit_of_each(states, 0), bit_of_each(states, 1), bits_of_cell(block.observed_free, cell)};
 }
 
-void add_block(const ContentBlock& block, BlockStatesBuilder* states, VoxelPoints* points) {
-  const VoxelsByCell voxels = by_cell(block);
+void add_block(const ContentBlock& block, VoxelsByCell* voxels, BlockStatesBuilder* states, VoxelPoints* points) {
+  voxels->sort(block);
   states->begin_block(block.index);
   for (int cell = 0; cell < kCellsOfBlock; ++cell) {
     const CellStates cell_states = states_of_cell(block, cell);
-    const std::vector<OccupiedVoxel>& occupied = voxels[static_cast<std::size_t>(cell)];
-    if (kernels::count_bits(cell_states.occupied) != occupied.size()) fail_mismatch();
+    const std::size_t begin = voxels->first[static_cast<std::size_t>(cell)];
+    const std::size_t end = voxels->first[static_cast<std::size_t>(cell) + 1];
+    if (kernels::count_bits(cell_states.occupied) != end - begin) fail_mismatch();
     states->add_cell(cell, cell_states);
-    for (const OccupiedVoxel& voxel : occupied) points->add(voxel);
+    for (std::size_t i = begin; i < end; ++i) {
+      const OccupiedVoxel& voxel = block.occupied[voxels->numbers[i]];
+      points->add(is_outside(voxel.believed) || is_outside(voxel.observed) ? clamped(voxel) : voxel);
+    }
   }
 }
 
@@ -116,8 +136,9 @@ SubmapContent make_content(const occupancy::MapContent& content, double band,
   points.reserve(content.num_occupied());
   std::optional<MeasuredDistances> measured;
   if (distances) measured.emplace(band);
+  VoxelsByCell voxels;
   for (const std::size_t i : order) {
-    add_block(content.blocks[i], &states, &points);
+    add_block(content.blocks[i], &voxels, &states, &points);
     if (measured) add_distances((*distances)[i], &*measured);
   }
   points.finish();
