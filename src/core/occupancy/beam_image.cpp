@@ -15,7 +15,7 @@ void BeamImage::build(const float* points, std::size_t n, std::size_t stride, fl
   points_ = points;
   stride_ = stride * every;
   farthest_m_ = farthest_m;
-  // Beams of the greatest range and beyond need not be told apart.
+  // All beams of the maximum range and beyond share the last range step: nothing asks how much longer one of them is.
   steps_per_m_ = static_cast<float>(kernels::kMaxBeamRange - 1) / farthest_m;
   is_first_kept_ = !is_first_kept_;
   const auto clear = [](std::size_t side, std::vector<BeamPixel>* image) {
@@ -37,7 +37,8 @@ void BeamImage::build(const float* points, std::size_t n, std::size_t stride, fl
   }
 }
 
-/// Chooses without branches, which no processor could predict.
+/// Selects by masks instead of branches: whether a pixel is empty changes from beam to beam, so a processor would
+/// mispredict a branch here often.
 inline void BeamImage::keep(BeamPixel beam, std::int32_t fine, std::int32_t coarse) {
   BeamPixel& fine_pixel = fine_[static_cast<std::size_t>(fine)];
   BeamPixel& coarse_pixel = coarse_[static_cast<std::size_t>(coarse)];

@@ -11,8 +11,8 @@ namespace {
 using kernels::count_bits;
 using kernels::for_each_bit;
 
-/// A block keeps leaves for a quarter of its voxels at most, which bounds its memory; real surfaces leave more room
-/// between them.
+/// A block keeps hit statistics for at most a quarter of its voxels, which bounds its memory. Surfaces of real scenes
+/// occupy a smaller share of the voxels than that.
 constexpr std::size_t kMaxLeaves = geometry::kBlockVolume / 4;
 
 /// Finds the voxels with hits of earlier scans whose surface this scan saw through.

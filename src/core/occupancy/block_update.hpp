@@ -16,7 +16,7 @@ struct BlockEvidence {
   const VoxelBits* hit_bits;     ///< voxels that were hit; null when there are none
   const HitVoxel* hits_begin;
   const HitVoxel* hits_end;
-  int scan_number;  ///< since the last handover, from 1
+  int scan_number;  ///< number of the scan since the last handover, from 1
 };
 
 struct BlockUpdate {
@@ -33,7 +33,8 @@ struct BlockUpdate {
   }
 };
 
-/// Puts what one scan says into a block: misses, then hits, which win over them, then mean hit points and inner nodes.
+/// Updates a block with the evidence of one scan. Misses are applied first, then hits, so that a voxel that was both
+/// crossed and hit counts as hit; hit statistics and inner nodes follow.
 BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
                          const LogOddsScale& scale, const StateLevels& levels);
 

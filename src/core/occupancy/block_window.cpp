@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kHysteresisBlocks = 0.25;
 
-/// The block that is to be the middle one along an axis. It stays the same while the centre is in it or near it.
+/// Returns the index of the block that shall be the middle one along an axis. It stays the same while the centre is in
+/// that block or near it, so that a sensor that hovers at the edge of a block does not move the window back and forth.
 int middle_of(double center_blocks, int middle) {
   const bool stays = center_blocks >= middle - kHysteresisBlocks && center_blocks <= middle + 1 + kHysteresisBlocks;
   return stays ? middle : static_cast<int>(std::floor(center_blocks));

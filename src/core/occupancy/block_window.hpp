@@ -15,8 +15,8 @@ struct EvictedBlock {
   std::unique_ptr<OctreeBlock> block;
 };
 
-/// A bounded box of blocks around the sensor. Moving it only moves pointers and hands out the blocks that are outside
-/// afterwards; blocks that stay are never copied.
+/// The rolling window of a local map: a bounded box of blocks around the sensor. A move of the window re-seats pointers
+/// and hands out the blocks that are outside afterwards; blocks that stay are never copied.
 class BlockWindow {
  public:
   BlockWindow(std::array<int, 3> num_blocks, double block_size_m);
@@ -30,7 +30,8 @@ class BlockWindow {
     bool jumped = false;                ///< the new box shares nothing with the old one
     std::vector<EvictedBlock> evicted;  ///< sorted by index
   };
-  /// Moves the box so that its middle block holds `center`, once that lies more than a quarter block outside it.
+  /// Moves the box so that its middle block contains `center`, as soon as `center` lies more than a quarter of a block
+  /// outside the present middle block.
   Move recenter(const geometry::Vec3& center);
 
   bool is_placed() const { return is_placed_; }
@@ -43,7 +44,7 @@ class BlockWindow {
   }
   void place(const geometry::Index3& first_block);
 
-  /// The slot of a block, -1 outside the box. Slots are ordered as Index3 is: by z, y and x.
+  /// Returns the slot of a block, or -1 outside the box. Slots are ordered as Index3 is: by z, then y, then x.
   int slot_of(const geometry::Index3& block) const;
   geometry::Index3 block_at(int slot) const;
   OctreeBlock* at(int slot) { return slots_[slot].get(); }

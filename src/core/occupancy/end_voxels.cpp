@@ -87,7 +87,8 @@ void EndVoxels::finish() {
     }
   }
   hits_.reserve(sums_.size());
-  rays_.reserve(sums_.size() + clearing_ends_.size());  // a vector that doubles may take a fiftieth of a map more
+  // A vector that doubles its capacity could need up to 2 % of the memory of the whole map on top.
+  rays_.reserve(sums_.size() + clearing_ends_.size());
   for (const Block& block : blocks_) finish_block(block);
   for (const geometry::Vec3f& end : clearing_ends_) rays_.push_back(end);
 }

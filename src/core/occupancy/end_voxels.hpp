@@ -11,9 +11,9 @@ namespace voxnav::occupancy {
 
 /// One voxel in which beams of the present scan ended.
 struct HitVoxel {
-  std::uint32_t slot;    ///< of the block in the window
-  std::uint16_t offset;  ///< in the block
-  PointSpread points;    ///< the end points
+  std::uint32_t slot;    ///< slot of the block in the window
+  std::uint16_t offset;  ///< offset of the voxel in the block
+  PointSpread points;    ///< mean and covariance of the end points
 };
 
 /// Sorts the beams of one scan into their end voxels, so that each voxel is hit once and one ray is cast for it.
@@ -23,19 +23,20 @@ class EndVoxels {
   explicit EndVoxels(std::array<int, 3> num_blocks);
 
   void clear();
-  /// Adds what one thread made of its part of the scan: its runs, and the beams that went on, of which the first one in
-  /// a voxel is kept. The part must stay where it is until finish().
+  /// Adds the part of a scan that one thread prepared: its runs of end points, and the beams that were cut, of which
+  /// only the first one in each voxel is kept. The caller keeps the part in place until finish().
   void add(const ScanPart& part);
-  /// Is to be called once after the last add(). Hits then come grouped by block, in the order in which blocks were
-  /// first hit.
+  /// Completes the hits of the scan; to be called once after the last add(). Hits are then grouped by block, in the
+  /// order in which blocks were first hit.
   void finish();
 
   const std::vector<HitVoxel>& hits() const { return hits_; }
-  /// Where rays end: at the mean of each hit voxel's points, in the order of hits(), and where beams went on.
+  /// The ends of the rays to cast: the mean of each hit voxel's points, in the order of hits(), then the ends of the
+  /// beams that were cut.
   const std::vector<geometry::Vec3f>& rays() const { return rays_; }
   /// Adds one more ray that hits nothing.
   void add_ray(const geometry::Vec3f& end) { rays_.push_back(end); }
-  /// The voxels of a block that were hit; null when nothing ended in it.
+  /// The voxels of a block that were hit; null when no beam ended in the block.
   const VoxelBits* hit_bits(std::uint32_t slot) const {
     return index_[slot] < 0 ? nullptr : &blocks_[index_[slot]].hits;
   }
@@ -58,7 +59,7 @@ class EndVoxels {
     std::array<std::uint16_t, 64> hits_before{};
   };
   struct Address {
-    std::uint32_t block;  ///< in blocks_
+    std::uint32_t block;  ///< index into blocks_
     std::uint32_t offset;
   };
   static PointSpread spread_of(const kernels::PointSum& sum);
@@ -69,10 +70,10 @@ class EndVoxels {
   geometry::Index3 block_of_slot(std::uint32_t slot) const;
 
   std::array<int, 3> num_blocks_;
-  std::vector<std::int32_t> index_;  ///< of a slot in blocks_, -1 = none
+  std::vector<std::int32_t> index_;  ///< index into blocks_ by slot of the window, -1 = no beam ended there
   std::vector<Block> blocks_;
   std::vector<const ScanPart*> parts_;
-  std::vector<Address> addresses_;  ///< of all runs of all parts
+  std::vector<Address> addresses_;  ///< voxel of each run, over all runs of all parts
   std::vector<kernels::PointSum> sums_;
   std::vector<HitVoxel> hits_;
   std::vector<geometry::Vec3f> clearing_ends_;

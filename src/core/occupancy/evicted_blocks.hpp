@@ -7,14 +7,15 @@
 
 namespace voxnav::occupancy {
 
-/// What left the window of a local map and was not taken yet, in a bounded number of blocks.
+/// The content that left the window of a local map and was not handed over yet, in a bounded number of blocks.
 class EvictedBlocks {
  public:
   EvictedBlocks(double resolution_m, std::size_t max_blocks) : resolution_m_(resolution_m), max_blocks_(max_blocks) {}
 
-  /// A block that left before is brought up to date; a new one beyond the bound is dropped and counted.
+  /// Adds a block that left the window. If the same block has left before, the newer content wins voxel by voxel. A
+  /// further block beyond the bound is dropped and counted.
   void add(ContentBlock block);
-  /// Everything, in the order of block indices; nothing is left.
+  /// Returns all blocks in the order of their indices, and forgets them.
   MapContent take();
   void clear() { blocks_.clear(); }
 

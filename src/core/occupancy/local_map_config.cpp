@@ -9,14 +9,16 @@
 namespace voxnav::occupancy {
 namespace {
 
-/// Leaves are bounded to a quarter of a block's voxels (block_update.cpp).
+/// The worst case of memory: block_update.cpp bounds hit statistics to a quarter of a block's voxels.
 constexpr double kBytesPerBlock =
     sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
 
-/// Three bits per voxel for marks (ray_marks.hpp); a quarter more for the lines to spare and the words shared by faces.
+/// Ray casting needs three bits per voxel (ray_marks.hpp), and a quarter more for spare lines and for the words at the
+/// edges of the images of the faces.
 constexpr double kMarkBytesPerBlock = 1.25 * 3.0 * geometry::kBlockVolume / 8;
 
-/// Blocks on one side of the middle one, so that the window covers its size wherever the sensor is in the middle.
+/// Returns the number of blocks on one side of the middle block with which the window covers `size_m` wherever in the
+/// middle block the sensor is.
 double half_blocks(double size_m, double block_m) { return std::ceil(0.5 * size_m / block_m + 0.25); }
 
 }  // namespace

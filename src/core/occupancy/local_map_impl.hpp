@@ -9,7 +9,7 @@
 
 namespace voxnav::occupancy {
 
-/// The parts of a local map. Only its own sources and tests of the octree look at them.
+/// The parts of a local map. Only the sources of LocalMap and the tests of the octree include this header.
 struct LocalMap::Impl {
   explicit Impl(const LocalMapConfig& checked)
       : config(checked),
@@ -17,7 +17,8 @@ struct LocalMap::Impl {
         insertion(config),
         evicted(config.resolution_m, static_cast<std::size_t>(config.max_evicted_blocks)) {}
 
-  /// What left the window goes where take_evicted() and the changes find it.
+  /// Stores the blocks that left the window, so that take_evicted() returns them and changes_since() reports them as
+  /// removed.
   void keep(std::vector<EvictedBlock> blocks, InsertStatistics* statistics);
   containers::GridUpdate changes_after(std::uint64_t sequence) const;
   containers::GridUpdate snapshot() const;
@@ -27,7 +28,7 @@ struct LocalMap::Impl {
   ScanInsertion insertion;
   EvictedBlocks evicted;
   RemovedBlocks removed;
-  std::uint64_t taken_at = 0;  ///< the sequence at the last take_changes()
+  std::uint64_t taken_at = 0;  ///< sequence number at the last take_changes()
 };
 
 }  // namespace voxnav::occupancy

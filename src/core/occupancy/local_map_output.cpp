@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What leaves the local map: points, content, changes.
+// The outputs of a local map: points, content for submaps, and changes for readers.
 #include "occupancy/local_map_impl.hpp"
 
 namespace voxnav::occupancy {

@@ -16,7 +16,7 @@ using containers::State;
 constexpr double kMaxCells = 5e8;
 constexpr std::int64_t kMaxRaySteps = 1000000;
 
-/// How bad a state is for a vehicle: free, unknown, occupied.
+/// Ranks the states that a node contains by how bad they are for a vehicle: 0 free, 1 unknown, 2 occupied.
 int badness(std::uint8_t flags) {
   if ((flags & kContainsOccupied) != 0) return 2;
   return (flags & kContainsUnknown) != 0 ? 1 : 0;
@@ -29,18 +29,20 @@ State state_of_badness(int badness) {
 
 void require_finite(const geometry::Vec3& a, const geometry::Vec3& b, double resolution_m) {
   const double limit = kMaxCells * resolution_m;
-  // Number by number: what maxCoeff() makes of a NaN differs between versions of Eigen.
+  // Each coordinate is compared by itself, because the result of maxCoeff() with a NaN differs between versions of
+  // Eigen.
   if (!(a.array().abs() < limit).all() || !(b.array().abs() < limit).all()) {
     throw std::invalid_argument("query points must be finite and within the grid");
   }
 }
 
-/// Gathers the worst state and the first touch of anything that is not free.
+/// Octree visitor that finds the worst state along a corridor, and the first arc length at which the corridor touches
+/// anything that is not free.
 class CorridorSearch {
  public:
   CorridorSearch(const Segment& segment, double radius_m) : segment_(segment), radius_m_(radius_m) {}
 
-  /// Whether anything in the node can still change the answer.
+  /// Returns true if anything below the node can still change the result.
   bool enter(const geometry::Vec3& center, double half_edge, std::uint8_t flags) {
     const int here = badness(flags);
     if (here == 0) return false;

@@ -8,13 +8,14 @@
 namespace voxnav::occupancy {
 namespace {
 
-// A probability that equals a threshold is unknown, so a level that equals it up to rounding must not count as beyond.
+// A voxel whose probability equals a threshold is unknown, so a level that equals the threshold up to rounding must not
+// count as beyond it.
 constexpr double kTieLevels = 1e-6;
 constexpr double kTieLogOdds = 1e-9;
 constexpr int kMaxLevel = 250;
 constexpr int kMaxScans = 1000;
 
-/// Counts how often `step` has to be applied from `start` on until `reached` holds.
+/// Returns how often `step` has to be applied to `start` until `reached` holds.
 template <class Number, class Reached>
 int count_steps(Number start, Number step, Number low, Number high, Reached reached) {
   Number value = start;

@@ -11,8 +11,8 @@ namespace voxnav::occupancy {
 double log_odds_of(double probability);
 double probability_of(double log_odds);
 
-/// Log-odds in one byte: level 0 is the lower clamp, `max` the upper one. The scale is chosen so that the
-/// numbers of hits and misses between states equal those of exact arithmetic (see transitions_of()).
+/// Quantises log-odds to one byte: level 0 is the lower clamp, level `max` the upper one. The scale is chosen so that
+/// the numbers of hits and misses between states equal those of exact arithmetic (see transitions_of()).
 struct LogOddsScale {
   double levels_per_unit = 1.0;
   double min_log_odds = 0.0;
@@ -38,7 +38,8 @@ struct StateLevels {
   StateLevels() = default;
   StateLevels(const LogOddsScale& scale, double free_threshold, double occupied_threshold)
       : free_max(scale.highest_below(free_threshold)), occupied_min(scale.lowest_above(occupied_threshold)) {}
-  /// The same limits as bytes: voxels are free below the first and occupied from the second on.
+  /// The limits as bytes, as the kernels compare them: a level is free below free_end() and occupied from
+  /// occupied_begin() on.
   std::uint8_t free_end() const { return static_cast<std::uint8_t>(free_max + 1); }
   std::uint8_t occupied_begin() const { return static_cast<std::uint8_t>(occupied_min < 255 ? occupied_min : 255); }
   containers::State of(int level) const {
@@ -47,7 +48,8 @@ struct StateLevels {
   }
 };
 
-/// How many scans it takes to get from one state to another; -1 where that state is never reached.
+/// The number of scans that take a voxel from one state to another; -1 if that state is never reached. "Full" is a
+/// voxel at the upper clamp, "empty" one at the lower clamp.
 struct Transitions {
   int hits_unknown_to_occupied;
   int misses_unknown_to_free;
@@ -56,10 +58,11 @@ struct Transitions {
   int hits_empty_to_not_free;
   int hits_empty_to_occupied;
 };
-/// The same in exact arithmetic, which the byte scale has to reproduce.
+/// The transitions in exact arithmetic, which the byte scale has to reproduce.
 Transitions ideal_transitions(const LocalMapConfig& config);
 Transitions transitions_of(const LogOddsScale& scale, const StateLevels& levels);
-/// The sum over all counts of how far two sets of them are apart; the scale is faithful when it is zero.
+/// Returns the sum of the absolute differences of all counts. A byte scale is faithful if its mismatch to the ideal
+/// transitions is zero.
 int mismatch(const Transitions& a, const Transitions& b);
 
 }  // namespace voxnav::occupancy

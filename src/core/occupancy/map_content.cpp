@@ -13,7 +13,7 @@ using containers::State;
 
 constexpr base::Format kFormat{0x434D5856, 1, "a voxnav map content"};  // "VXMC"
 
-/// Voxel by voxel: what `newer` knows wins. O(16^3).
+/// Merges two contents of one block voxel by voxel: where `newer` knows a voxel, it wins. O(16^3).
 ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) {
   ContentBlock out;
   out.index = older.index;
@@ -52,7 +52,7 @@ OccupiedVoxel get_voxel(base::ByteReader* in) {
   return voxel;
 }
 
-/// Which words have bits, and these.
+/// Writes a bit set: first a word that tells which of the 64 words are not zero, then those words.
 void put_bits(const VoxelBits& bits, base::ByteWriter* out) {
   std::uint64_t used = 0;
   for (std::size_t word = 0; word < bits.size(); ++word) used |= std::uint64_t{bits[word] != 0} << word;

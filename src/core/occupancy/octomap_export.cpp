@@ -43,7 +43,7 @@ std::unique_ptr<octomap::OcTree> read_octree(const std::string& path) {
   return std::unique_ptr<octomap::OcTree>(octree);
 }
 
-/// Pruned leaves stand for a cube of voxels.
+/// Appends the voxels of one leaf of an OctoMap: a pruned leaf stands for all voxels of its cube.
 void append_leaf(const geometry::Vec3& center, double size, double resolution_m, double log_odds,
                  std::vector<LocalMap::VoxelLogOdds>* out) {
   const auto n = static_cast<int>(std::lround(size / resolution_m));

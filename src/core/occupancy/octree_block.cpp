@@ -25,7 +25,7 @@ void OctreeBlock::refresh(const Flags& flags) {
 
 namespace {
 
-/// Bit i becomes bit 2 i.
+/// Spreads bits apart: bit i of the argument becomes bit 2 i of the result.
 std::uint64_t spread_out(std::uint32_t bits) {
   std::uint64_t out = bits;
   out = (out | (out << 16)) & 0x0000FFFF0000FFFFu;
@@ -70,7 +70,8 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
       const int offset = static_cast<int>(64 * word) + bit;
       const SurfaceLeaf* leaf = leaves.find(offset);
       out.occupied.push_back((leaf ? *leaf : SurfaceLeaf{}).quantised(offset, num_scans));
-      // Without hit statistics (their number is bounded) any ray counts as a miss: still occupied means hit.
+      // The number of voxels with hit statistics is bounded. In an occupied voxel beyond that bound every ray that
+      // crosses it counts as a miss, so a voxel that was seen and is still occupied must have been hit.
       if (!leaf && is_seen(offset)) out.occupied.back().observed.hits = 1;
     });
   }
@@ -78,8 +79,8 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
   return out;
 }
 
-/// A voxel that was hit is not called free, however sure the map was that it is: older scans outvote these hits, and
-/// older scans are not what the submap observed.
+/// Excludes voxels that were hit since the last handover even if the map holds them for free: there the misses of older
+/// scans outvote the hits, and the misses of older scans are not observations of this submap.
 VoxelBits OctreeBlock::observed_free(const StateLevels& levels) const {
   VoxelBits out;
   for (std::size_t word = 0; word < out.size(); ++word) {

@@ -10,7 +10,7 @@
 
 namespace voxnav::occupancy {
 
-/// What lies below a node of the octree. A leaf has exactly one bit.
+/// The states that occur below a node of the octree, one bit each. A voxel has exactly one of the bits.
 enum Contains : std::uint8_t { kContainsUnknown = 1, kContainsFree = 2, kContainsOccupied = 4 };
 
 /// One root of the forest: an octree over 16^3 voxels with all levels stored flat, x fastest. Level 0 are the
@@ -24,34 +24,34 @@ class OctreeBlock {
 
   alignas(16) std::array<std::uint8_t, geometry::kBlockVolume> log_odds;
   SurfaceLeaves leaves;
-  VoxelBits seen{};              ///< crossed by a ray, hit or set since the last handover
+  VoxelBits seen{};              ///< voxels that were crossed by a ray, hit or set since the last handover
   std::uint64_t changed_at = 0;  ///< LocalMap::sequence() when a state last changed
 
-  /// Asks for what an update reads.
+  /// Prefetches the memory that an update of the block reads.
   void prefetch() const {
     const char* at = reinterpret_cast<const char*>(this);
     for (std::size_t i = 0; i < sizeof(*this); i += 64) __builtin_prefetch(at + i);
   }
 
-  /// Contains bit of every voxel.
+  /// Computes the Contains bit of every voxel.
   void leaf_flags(const StateLevels& levels, Flags* flags) const;
   /// Recomputes all inner nodes from the voxels and their flags.
   void refresh(const Flags& flags);
 
-  /// Inner nodes, level 1 to 4: the highest level of log-odds below, and Contains bits.
+  /// Inner nodes, level 1 to 4: the highest log-odds level of the voxels below, and their Contains bits.
   std::uint8_t node_max(int level, int x, int y, int z) const { return max_[node_index(level, x, y, z)]; }
   std::uint8_t node_flags(int level, int x, int y, int z) const { return flags_[node_index(level, x, y, z)]; }
   std::uint8_t root_flags() const { return flags_[kNodes - 1]; }
-  /// False until the first refresh(): every summarised node contains something.
+  /// False until the first refresh(): afterwards the root has at least one Contains bit.
   bool is_summarised() const { return root_flags() != 0; }
   bool has_known() const { return (root_flags() & (kContainsFree | kContainsOccupied)) != 0; }
 
   containers::StateBlock states(const StateLevels& levels) const;
-  /// @param num_scans  since the last handover
+  /// @param num_scans  number of scans since the last handover
   ContentBlock content(const geometry::Index3& index, const StateLevels& levels, int num_scans) const;
   bool is_seen(int offset) const { return ((seen[offset >> 6] >> (offset & 63)) & 1u) != 0; }
   void mark_seen(int offset) { seen[offset >> 6] |= std::uint64_t{1} << (offset & 63); }
-  /// What is seen from here on counts as seen after a handover.
+  /// Begins to collect observations for the next submap: everything seen before counts as remembered from here on.
   void begin_handover();
   std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
 

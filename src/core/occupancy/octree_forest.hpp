@@ -6,7 +6,7 @@
 
 namespace voxnav::occupancy {
 
-/// The octrees of a local map and how the numbers in them are read.
+/// The octrees of a local map, one for each block of its window, with the log-odds scale by which their bytes are read.
 struct OctreeForest {
   explicit OctreeForest(const LocalMapConfig& config);
 
@@ -14,13 +14,13 @@ struct OctreeForest {
   LogOddsScale scale;
   StateLevels levels;
   BlockWindow window;
-  int recent_scans = 0;        ///< since the last handover; stays at the most a leaf can hold
+  int recent_scans = 0;        ///< scans since the last handover; saturates at SurfaceLeaf::kMaxNumber
   std::uint64_t sequence = 0;  ///< see LocalMap::sequence()
 
-  /// Voxel edges from the lowest corner of the window.
+  /// Converts a point to voxel edges from the lowest corner of the window.
   geometry::Vec3 to_window(const geometry::Vec3& point) const;
   bool contains(const geometry::Vec3& point) const;
-  /// Makes the inner nodes of a block follow its voxels, and the block count as changed.
+  /// Recomputes the inner nodes of a block from its voxels, and marks the block as changed.
   void refresh(int slot);
   /// Calls f(index, block) for each block that exists, in the order of their indices.
   template <class F>

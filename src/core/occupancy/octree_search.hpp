@@ -35,8 +35,9 @@ void search_node(const OctreeBlock& block, const geometry::Index3& block_index, 
   }
 }
 
-/// Blocks that overlap the box; null where nothing is known. Of what lies outside the window only the layer next to it
-/// is visited: whatever leaves the window crosses that layer.
+/// Calls on_block(index, block) for each block that overlaps the box, with null for a block of which nothing is known.
+/// Outside the window only the layer of blocks next to it is visited, which keeps the search bounded: every path that
+/// leaves the window crosses that layer.
 template <class OnBlock>
 void for_blocks_in(const OctreeForest& forest, const geometry::Aabb& box, const OnBlock& on_block) {
   const BlockWindow& window = forest.window;

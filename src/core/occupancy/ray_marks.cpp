@@ -23,7 +23,8 @@ struct Axes {
 };
 constexpr Axes axes_of(int face) { return {face / 2, face / 2 == 0 ? 1 : 0, face / 2 == 2 ? 1 : 2}; }
 
-/// The face that a ray leaves through, found by arithmetic, since no processor could predict the branches.
+/// Returns the face that a ray leaves through. It is computed without branches, because a processor would mispredict
+/// them: neighbouring rays often leave through different faces.
 int face_through(const geometry::Vec3f& way) {
   const float x = std::abs(way.x()), y = std::abs(way.y()), z = std::abs(way.z());
   const bool is_x = (x >= y) & (x >= z), is_y = !is_x & (y >= z), is_z = !is_x & !is_y;
@@ -31,7 +32,7 @@ int face_through(const geometry::Vec3f& way) {
   return static_cast<int>(2u * is_y + 4u * is_z + is_up);
 }
 
-/// 16 rows of 16 voxels of an image.
+/// One slice of a block in an image: 16 rows of 16 voxels.
 struct Rows {
   std::uint16_t row[kSide];
   bool load(const std::uint8_t* at, std::ptrdiff_t step) {

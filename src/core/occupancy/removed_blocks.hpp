@@ -9,8 +9,8 @@
 
 namespace voxnav::occupancy {
 
-/// Which blocks a local map lost, and at which of its sequences: what readers of changes have to be told. When nobody
-/// reads for long they are given up, and who is older than that needs a snapshot.
+/// Records which blocks a local map removed and at which sequence number, so that readers of changes can be told. The
+/// record is bounded: when it is full it is cleared, and a reader that has only an older sequence needs a snapshot.
 class RemovedBlocks {
  public:
   void add(const geometry::Index3& block, std::uint64_t sequence) {
@@ -20,7 +20,7 @@ class RemovedBlocks {
     }
     at_[block] = sequence;
   }
-  /// Removals before this sequence are not known any more.
+  /// The sequence number from which on the record is complete; earlier removals are forgotten.
   std::uint64_t complete_since() const { return complete_since_; }
   const std::map<geometry::Index3, std::uint64_t>& all() const { return at_; }
   std::size_t memory_bytes() const { return at_.size() * kBytesPerEntry; }

@@ -8,7 +8,7 @@
 
 namespace voxnav::occupancy {
 
-/// The blocks that rays of one scan can reach, within the window, numbered x fastest.
+/// The box of blocks within the window that the rays of one scan can reach. Its blocks are numbered with x fastest.
 class ScanBox {
  public:
   ScanBox() = default;
@@ -22,11 +22,11 @@ class ScanBox {
   std::uint32_t num_blocks() const { return size_[0] * size_[1] * size_[2]; }
   /// How many blocks the box has along an axis.
   std::uint32_t size(int axis) const { return size_[static_cast<std::size_t>(axis)]; }
-  /// By how much the number of a block grows from one block to the next along an axis.
+  /// The difference of the numbers of two neighbouring blocks along an axis.
   std::uint32_t block_stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? size_[0] : size_[0] * size_[1]; }
   /// The corner of the box, in voxels from the window's corner.
   geometry::Vec3 corner() const { return geometry::Vec3(low_.x, low_.y, low_.z) * geometry::kBlockSide; }
-  /// Where a block of the box lies, in blocks from the window's corner.
+  /// The position of a block of the box, in blocks from the window's corner.
   geometry::Index3 block_at(std::uint32_t block) const {
     const auto yz = block / size_[0];
     return low_ + geometry::Index3{static_cast<int>(block % size_[0]), static_cast<int>(yz % size_[1]),

@@ -9,7 +9,7 @@
 namespace voxnav::occupancy {
 namespace {
 
-/// Rays end at least this far inside the window, so that rounding to float never leads out of it.
+/// Rays end at least this far inside the window [voxel edges], so that rounding to float never leads out of it.
 constexpr float kBorderVoxels = 1.0f;
 constexpr std::size_t kBlocksAtOnce = 8;
 constexpr double kZeroRangeM = 1e-6;
@@ -81,7 +81,8 @@ void ScanInsertion::collect_no_returns(const SensorScan& scan, const ScanFrame& 
   }
 }
 
-/// The image of the beams and the end voxels do not need each other.
+/// Finds the end voxels and draws the beam image. The two do not depend on each other, so with two or more threads they
+/// run at the same time.
 void ScanInsertion::sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame) {
   const auto sort = [&] {
     ends_.clear();
@@ -116,7 +117,7 @@ void ScanInsertion::cast_rays(const geometry::Vec3& origin, const OctreeForest& 
   });
 }
 
-/// Blocks lie anywhere in memory; the next one comes while this one is worked on.
+/// Prefetches a block that is updated next. Blocks lie anywhere in memory, so reading one would wait for the memory.
 void ScanInsertion::prefetch(std::uint32_t block, const OctreeForest& forest) const {
   if (!marks_.is_crossed(block)) return;
   if (const OctreeBlock* known = forest.window.at(static_cast<int>(box_.slot_of(block)))) known->prefetch();
@@ -139,7 +140,7 @@ BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight&
   return update;
 }
 
-/// Every ray crosses its end voxel's block, so the crossed blocks are all blocks.
+/// Updates the blocks that rays cross. These include all blocks with hits, as every ray crosses the block of its end.
 void ScanInsertion::update_blocks(const ScanFrame& frame, OctreeForest* forest, InsertStatistics* statistics) {
   const MissGuard guard{static_cast<float>(config_.guard_sigmas), static_cast<float>(config_.guard_spread_voxels),
                         static_cast<float>(config_.guard_end_voxels), config_.guard_octants, config_.guard_patience};
@@ -151,7 +152,7 @@ void ScanInsertion::update_blocks(const ScanFrame& frame, OctreeForest* forest, 
     for (base::Share share; blocks.next(&share);) {
       for (std::size_t i = share.begin; i < share.end; ++i) {
         if (i + 1 < share.end)
-          prefetch(static_cast<std::uint32_t>(i + 1), *forest);  // others may just make what comes then
+          prefetch(static_cast<std::uint32_t>(i + 1), *forest);  // in this share only: other threads create blocks
         sum += update_block(static_cast<std::uint32_t>(i), sight, forest);
       }
     }

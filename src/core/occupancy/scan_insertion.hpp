@@ -15,20 +15,20 @@
 
 namespace voxnav::occupancy {
 
-/// One scan, see LocalMap::insert().
+/// The arguments of LocalMap::insert().
 struct SensorScan {
   geometry::PointsView points_L;
   geometry::PointsView no_return_directions_L;
   geometry::Pose T_W_L;
 };
 
-/// Brings the hits and misses of scans into an octree forest whose window is already where the sensor is. Memory that
-/// one scan needed is kept for the next.
+/// Inserts scans as hits and misses into an octree forest whose window has already been moved to the sensor. The
+/// working memory of one scan is kept for the next.
 class ScanInsertion {
  public:
   explicit ScanInsertion(const LocalMapConfig& config);
 
-  /// Adds to `statistics` what became of the points and of the voxels.
+  /// Inserts a scan and adds its counts of points and voxels to `statistics`.
   void run(const SensorScan& scan, OctreeForest* forest, InsertStatistics* statistics);
   std::size_t memory_bytes() const;
 
@@ -45,7 +45,7 @@ class ScanInsertion {
   LocalMapConfig config_;
   EndVoxels ends_;
   std::vector<geometry::Vec3f> no_return_ends_;
-  std::vector<ScanPart> parts_;  ///< one per thread
+  std::vector<ScanPart> parts_;  ///< one for each thread
   BeamImage beams_;
   ScanBox box_;
   RayMarks marks_;

@@ -18,7 +18,7 @@ geometry::Vec3f ScanFrame::clipped(const geometry::Vec3f& end) const {
     share = std::min(share, ((delta > 0.0f ? high[axis] : low[axis]) - origin[axis]) / delta);
   }
   const geometry::Vec3f inside = origin + std::max(share, 0.0f) * (end - origin);
-  return inside.array().max(low).min(high).matrix();  // rounding may have led outside
+  return inside.array().max(low).min(high).matrix();  // rounding may have led out of the window
 }
 
 void ScanPart::clear() {
@@ -28,7 +28,8 @@ void ScanPart::clear() {
 }
 
 void ScanPart::add(const float* points, std::size_t n, std::size_t stride, const ScanFrame& frame) {
-  runs_.reserve(n / 3);  // most scans have no more runs, and a vector that doubles would take more
+  // Most scans have no more runs than this, and a vector that doubles its capacity would take more memory.
+  runs_.reserve(n / 3);
   for (std::size_t i = 0; i < n; i += kChunk) {
     add_chunk(points + i * stride, std::min(kChunk, n - i), stride, frame);
   }
@@ -63,7 +64,7 @@ void ScanPart::add_chunk(const float* points, std::size_t n, std::size_t stride,
 
 void ScanPart::add_odd(const geometry::Vec3f& p_L, const ScanFrame& frame) {
   const float range_sq = p_L.squaredNorm();
-  // The square of a finite number may be infinite.
+  // The square of a large finite coordinate overflows to infinity, so the slower stableNorm() is used there.
   const float range_m = range_sq < std::numeric_limits<float>::max() ? std::sqrt(range_sq) : p_L.stableNorm();
   if (!p_L.allFinite()) {
     ++num_not_finite_;

@@ -9,22 +9,22 @@
 
 namespace voxnav::occupancy {
 
-/// How points of one scan are turned into ends of rays.
+/// The transform and the limits with which points of one scan become ends of rays.
 struct ScanFrame : kernels::PlacementFrame {
   bool clear_beyond_range;
 
   bool contains(const geometry::Vec3f& end) const { return (end.array() >= low).all() && (end.array() <= high).all(); }
-  /// The last point inside the window on the way from the sensor to `end`, which lies outside.
+  /// Returns the last point inside the window on the line from the sensor to `end`, which lies outside.
   geometry::Vec3f clipped(const geometry::Vec3f& end) const;
 };
 
-/// Points of one voxel that came one after the other: neighbouring beams mostly end together, so most of the sorting
-/// is done before any voxel is looked up.
+/// Consecutive points of a scan that lie in one voxel, summed. Neighbouring beams mostly end in the same voxel, so most
+/// of the sorting is done before any voxel is looked up.
 struct EndRun : kernels::PointSum {  // a base class, so that the voxel lies in the padding of the sum
   geometry::Index3 voxel{-1, -1, -1};
 };
 
-/// What one thread made of its part of a scan.
+/// The part of a scan that one thread prepares: runs of end points, ends of cut beams, and counts of points left out.
 class ScanPart {
  public:
   void clear();
@@ -34,7 +34,8 @@ class ScanPart {
   static constexpr std::size_t kChunk = 1024;
 
   const std::vector<EndRun>& runs() const { return runs_; }
-  /// Where beams that ended beyond the window or the range were cut: they free what lies before, and hit nothing.
+  /// The ends of beams that were cut because they reach beyond the window or the range. Their rays clear the space up
+  /// to there and hit nothing.
   const std::vector<geometry::Vec3f>& clearing_ends() const { return clearing_ends_; }
   std::size_t num_not_finite() const { return num_not_finite_; }
   std::size_t num_too_near() const { return num_too_near_; }

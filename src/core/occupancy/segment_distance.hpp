@@ -22,7 +22,8 @@ class Segment {
     return length_ > 0.0 ? std::clamp((p - a_).dot(delta_) / (length_ * length_), 0.0, 1.0) : 0.0;
   }
 
-  /// The ratio along the segment at which it is nearest to the cube; the first one where there are several.
+  /// Returns the ratio along the segment, from 0 to 1, at which it is nearest to the cube; the first one if there are
+  /// several.
   double nearest_ratio(const geometry::Vec3& center, double half_edge) const {
     if (slope(0.0, center, half_edge) >= 0.0) return 0.0;
     if (slope(1.0, center, half_edge) < 0.0) return 1.0;
@@ -31,7 +32,8 @@ class Segment {
   double distance_at(double ratio, const geometry::Vec3& center, double half_edge) const {
     return outside(at(ratio), center, half_edge).norm();
   }
-  /// The first ratio at which a ball of `radius` on the segment touches the cube. It has to touch it at `nearest`.
+  /// Returns the first ratio at which a ball of `radius` on the segment touches the cube. Precondition: the ball
+  /// touches the cube at the ratio `nearest`.
   double first_touch(double nearest, double radius, const geometry::Vec3& center, double half_edge) const {
     if (distance_at(0.0, center, half_edge) <= radius) return 0.0;
     return bisect(0.0, nearest, [&](double ratio) { return distance_at(ratio, center, half_edge) <= radius; });
@@ -45,8 +47,8 @@ class Segment {
   double slope(double ratio, const geometry::Vec3& center, double half_edge) const {
     return outside(at(ratio), center, half_edge).dot(delta_);
   }
-  /// The lowest ratio for which a condition holds; the condition must hold at `high` and above any ratio where it
-  /// holds.
+  /// Returns the lowest ratio for which a condition holds. Precondition: the condition holds at `high`, and once it
+  /// holds at a ratio it holds at all higher ones.
   template <class Holds>
   static double bisect(double low, double high, Holds holds) {
     for (int i = 0; i < 40; ++i) {

@@ -9,10 +9,11 @@ namespace voxnav::occupancy {
 
 namespace {
 
-/// Rounds halves away from zero; std::lrint() is a call without -fno-math-errno.
+/// Rounds halves away from zero. std::lrint() would be a function call, as the build does not set -fno-math-errno.
 std::int16_t rounded(float value) { return static_cast<std::int16_t>(value + std::copysign(0.5f, value)); }
 
-// What kernels::StoredMoments asks for: six numbers each, and two more behind them.
+// kernels::StoredMoments reads and writes whole vector registers: the two means must lie together as six numbers, and
+// at least 16 bytes must be readable from the first number of the means and of the covariance on.
 static_assert(offsetof(SurfaceLeaf, mean) + sizeof(SurfaceLeaf::mean) == offsetof(SurfaceLeaf, recent_mean));
 static_assert(offsetof(SurfaceLeaf, covariance) + 16 <= sizeof(SurfaceLeaf));
 static_assert(offsetof(SurfaceLeaf, mean) + 16 <= sizeof(SurfaceLeaf));

@@ -5,7 +5,7 @@
 
 namespace voxnav::occupancy {
 
-/// Up to eight voxels of a block that are asked together.
+/// Up to eight voxels of a block, one in each lane of the kernel that looks up the beams through them.
 struct SurfaceSight::Group {
   kernels::AskedVoxels asked;
   SurfaceLeaf* leaves[kernels::lanes::kLanes];
@@ -15,7 +15,7 @@ struct SurfaceSight::Group {
     set(asked.size, offset, leaf);
     ++asked.size;
   }
-  /// Lanes that would be empty repeat the first voxel.
+  /// Repeats the first voxel in the lanes that would be empty, so that the kernel reads valid memory.
   void fill_up() {
     for (int i = asked.size; i < kernels::lanes::kLanes; ++i) set(i, asked.offsets[0], leaves[0]);
   }

@@ -7,7 +7,7 @@
 
 namespace voxnav::occupancy {
 
-/// When a beam that crosses a voxel with hits counts against it (see LocalMapConfig).
+/// Limits of the rule by which a beam through a voxel with hits counts against it; LocalMapConfig explains each one.
 struct MissGuard {
   float sigmas = 2.0f;
   float spread_voxels = 0.05f;
@@ -16,13 +16,15 @@ struct MissGuard {
   int patience = 8;
 };
 
-/// Decides whether the beams of a scan saw through the surface in a voxel: past a thin pole in the same voxel they say
-/// nothing about it, and grazing the ground they say nothing about the ground.
+/// Decides whether the beams of a scan saw through the surface in a voxel. A beam that passes beside a thin pole in the
+/// same voxel, or grazes the ground, is no evidence against that surface.
 class SurfaceSight {
  public:
   SurfaceSight(const BeamImage& beams, const ScanFrame& frame, float resolution_m, const MissGuard& guard);
-  /// Which of the `asked` voxels of a block, which must have leaves, the scan refutes; notes in the leaves what it saw.
-  /// @param first_voxel  of the block, window coordinates
+  /// Returns which of the `asked` voxels of a block the scan refutes, and records what was seen through in their
+  /// leaves.
+  /// @param first_voxel  lowest voxel of the block, window coordinates
+  /// @param asked        voxels to be judged; each of them must have a leaf
   VoxelBits refuted(const geometry::Index3& first_voxel, const VoxelBits& asked, SurfaceLeaves* leaves) const;
 
  private:
