@@ -7,15 +7,15 @@
 
 namespace voxnav::planning {
 
-/// What a search may do in unknown cells.
+/// How a search treats unknown cells.
 enum class UnknownPolicy {
-  kForbid,        ///< never enters them
-  kPenalise,      ///< enters them at unknown_cost per metre
-  kOptimisticFar  ///< the same, but only beyond optimistic_range_m of the start
+  kForbid,        ///< the path never enters unknown cells
+  kPenalise,      ///< the path may enter unknown cells at unknown_cost per metre
+  kOptimisticFar  ///< as kPenalise beyond optimistic_range_m of the start, as kForbid nearer to it
 };
 constexpr auto words_of(UnknownPolicy) { return std::array{"forbid", "penalise", "optimistic_far"}; }
 
-/// Rules of a search. The limits bound time and memory whatever the map and the goal are.
+/// Costs and limits of a search. The limits bound time and memory whatever the map and the goal are.
 struct AStarConfig {
   int max_expansions = 1000000;
   double timeout_s = 0.8;

@@ -8,23 +8,23 @@
 
 namespace voxnav::planning {
 
-/// What a corridor may hold.
+/// Which voxels a corridor may contain.
 enum class CorridorRule {
-  kKnownFreeOnly,  ///< flight: unknown is as bad as occupied
-  kNotOccupied     ///< planning: only occupied voxels count
+  kKnownFreeOnly,  ///< only free voxels are safe: the rule for what is flown
+  kNotOccupied     ///< free and unknown voxels are safe: the rule for what is only planned
 };
 
 struct CorridorResult {
   bool is_safe = true;
-  double first_unsafe_m = 0.0;        ///< arc length at which the corridor first touches an unsafe voxel; if unsafe
-  State unsafe_state = State::kFree;  ///< of that voxel; if unsafe
-  geometry::Vec3 unsafe_point = geometry::Vec3::Zero();  ///< centre of that voxel; if unsafe
-  double length_m = 0.0;                                 ///< of the whole polyline
+  double first_unsafe_m = 0.0;        ///< if unsafe: arc length at which the corridor first touches an unsafe voxel
+  State unsafe_state = State::kFree;  ///< if unsafe: state of that voxel
+  geometry::Vec3 unsafe_point = geometry::Vec3::Zero();  ///< if unsafe: centre of that voxel
+  double length_m = 0.0;                                 ///< length of the whole polyline
 };
 
-/// Checks the space swept by a ball of `radius_m` along a polyline: exact against the boxes of all voxels that the
-/// ball touches, in three dimensions. One point is a ball. Points that are not finite, or none, are unsafe at 0.
-/// O(length * radius^2 / resolution^3); stops at the first unsafe piece.
+/// Checks the space that a ball of `radius_m` sweeps along a polyline, exactly against the cubes of all voxels that the
+/// ball touches. A single point is checked as one ball. A polyline without points, or with a point that is not finite,
+/// is unsafe at arc length 0. O(length * radius^2 / resolution^3); the check stops at the first unsafe segment.
 CorridorResult check_corridor(const OccupancyView& view, const std::vector<geometry::Vec3>& points, double radius_m,
                               CorridorRule rule = CorridorRule::kKnownFreeOnly);
 

@@ -11,35 +11,36 @@ namespace voxnav::planning {
 using containers::State;
 using containers::StateBlock;
 
-/// One bit per voxel of a block, order of geometry::offset_in_block().
+/// One bit for each voxel of a block, in the order of geometry::offset_in_block().
 using BlockMask = std::bitset<geometry::kBlockVolume>;
 
-/// All that planning may know of a map: three-state voxels on one lattice (voxel i covers [i, i + 1) * resolution
-/// in the view's frame). Implementations do not change while a planner uses them, or are snapshots; const calls
-/// may come from several threads.
+/// The interface through which planning reads a map: free, unknown and occupied voxels on one grid (voxel i covers
+/// [i, i + 1) * resolution in the view's frame). An implementation does not change while a planner uses it, or it is a
+/// snapshot; const calls may come from several threads.
 class OccupancyView {
  public:
   virtual ~OccupancyView() = default;
 
   virtual double resolution_m() const = 0;
 
-  /// Unknown wherever nothing is known; never throws.
+  /// Returns the state of a voxel, which is kUnknown outside the map. Never throws.
   virtual State state(const geometry::Index3& voxel) const = 0;
 
-  /// Box that a path may use; what lies outside is outside the map. May be larger than what is known.
+  /// The box that a path may use. It may be larger than the known part of the map.
   virtual geometry::Aabb bounds() const = 0;
 
-  /// States of one block of 16^3 voxels: a pointer to the view's own storage or to `scratch`, filled;
-  /// null when the whole block is unknown. The default asks state() for each voxel.
+  /// Returns the states of one block of 16^3 voxels, as a pointer to the view's own storage or to the filled `scratch`;
+  /// null if the whole block is unknown. The default implementation asks state() for each voxel.
   virtual const StateBlock* block(const geometry::Index3& block, StateBlock* scratch) const;
 
-  /// Voxels that may not be entered although they are not occupied (grown obstacles of another map, limits),
-  /// OR-ed into the masks. `soft` ones give way where this view itself knows everything within the safety
-  /// distance; `hard` ones never do. The default has none.
-  /// @return false when the block has none
+  /// ORs the voxels that may not be entered although they are not occupied into the masks: obstacles of another map
+  /// that were grown already, or limits of the flight area. A `soft` voxel may be entered where this view itself knows
+  /// all voxels within the safety distance, a `hard` one never. The default implementation has none.
+  /// @return false if the block has none
   virtual bool forbidden(const geometry::Index3& block, BlockMask* hard, BlockMask* soft) const;
 
-  /// How far the occupied voxels of this view have been grown already [m]; planners grow by the rest only.
+  /// The distance [m] by which the occupied voxels of this view have been grown already. A planner grows them only by
+  /// the rest of its safety distance.
   virtual double grown_by_m() const { return 0.0; }
 };
 

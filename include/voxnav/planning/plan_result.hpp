@@ -13,9 +13,9 @@ namespace voxnav::planning {
 enum class PlanStatus {
   kComplete,
   kPartialTimeout,  ///< time ran out; the path leads to the expanded cell nearest to the goal
-  kPartialLimit,    ///< expansions or memory ran out
-  kPartialBlocked,  ///< everything reachable was searched; the path leads as near as one can get
-  kNoPath,          ///< nothing nearer to the goal than the start can be reached
+  kPartialLimit,    ///< expansions or memory ran out; the path leads to the expanded cell nearest to the goal
+  kPartialBlocked,  ///< all reachable cells were searched; the path leads to the one nearest to the goal
+  kNoPath,          ///< no reachable cell is nearer to the goal than the start
   kStartBlocked,    ///< start occupied, or too near to an obstacle with no way out
   kStartUnknown,
   kGoalBlocked,  ///< goal occupied or too near to an obstacle; the path leads to a free cell near it
@@ -29,7 +29,7 @@ constexpr auto words_of(PlanStatus) {
                     "no_path",      "start_blocked",   "start_unknown", "goal_blocked",
                     "goal_unknown", "outside_map",     "invalid_input"};
 }
-/// One sentence for a person.
+/// Explains a status in one sentence for people.
 const char* explain(PlanStatus status);
 
 struct PlanResult {
@@ -40,7 +40,7 @@ struct PlanResult {
   double remaining_m = 0.0;          ///< straight distance from the end of the path to the goal
   std::uint64_t expansions = 0;
   double seconds = 0.0;
-  std::uint64_t memory_bytes = 0;  ///< held by the search when it ended
+  std::uint64_t memory_bytes = 0;  ///< memory that the search held when it ended
 };
 
 }  // namespace voxnav::planning

@@ -7,11 +7,11 @@
 
 namespace voxnav::planning {
 
-/// A StateGrid as planning sees it. The box is that of the grid's blocks.
+/// Adapts a StateGrid to the interface of planning. Its bounds are the box of the grid's blocks.
 class StateGridView : public OccupancyView {
  public:
-  /// @param grid may not be null; must not change while the view is in use
-  /// @param grown_by_m how far the occupied voxels of the grid have been grown already
+  /// @param grid        grid, not null, which must not change while the view is in use
+  /// @param grown_by_m  distance by which the occupied voxels of the grid have been grown already
   explicit StateGridView(std::shared_ptr<const containers::StateGrid> grid, double grown_by_m = 0.0);
 
   double resolution_m() const override { return grid_->resolution_m(); }
@@ -28,7 +28,7 @@ class StateGridView : public OccupancyView {
   geometry::Aabb bounds_;
 };
 
-/// Box of all blocks of a grid; empty when it has none.
+/// Returns the box of all blocks of a grid; empty if it has none.
 geometry::Aabb bounds_of(const containers::StateGrid& grid);
 
 }  // namespace voxnav::planning

@@ -5,7 +5,7 @@
 
 namespace voxnav::planning {
 
-/// Ends a search from outside, for whoever measures its time by a clock of his own. Thread-safe.
+/// Cancels a search from another thread, for callers that measure its time by a clock of their own. Thread-safe.
 class StopFlag {
  public:
   void raise() { is_raised_ = true; }

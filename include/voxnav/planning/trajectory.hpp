@@ -8,11 +8,11 @@
 
 namespace voxnav::planning {
 
-/// Positions at equal time steps; the vehicle rests at the last one.
+/// A trajectory: positions at equal time steps, at the last of which the vehicle is at rest.
 class Trajectory {
  public:
   Trajectory() = default;
-  /// @throws std::invalid_argument when there are no points, one is not finite, or dt_s is not positive
+  /// @throws std::invalid_argument if there are no points, one is not finite, or dt_s is not positive
   Trajectory(std::vector<geometry::Vec3> points, double dt_s);
 
   bool empty() const { return points_.empty(); }
@@ -21,18 +21,19 @@ class Trajectory {
   double duration_s() const { return points_.empty() ? 0.0 : static_cast<double>(points_.size() - 1) * dt_s_; }
   double length_m() const { return arcs_.empty() ? 0.0 : arcs_.back(); }
 
-  /// Times outside are clamped. The trajectory may not be empty for any of these.
+  /// Times and arc lengths outside the trajectory are clamped to it. Precondition of the functions from here on: the
+  /// trajectory is not empty.
   geometry::Vec3 position_at(double time_s) const;
   double arc_at(double time_s) const;
   double speed_at(double time_s) const;
   geometry::Vec3 position_at_arc(double arc_m) const;
-  /// Arc length of the point nearest to `position` among those passed between the two times.
+  /// Returns the arc length of the point nearest to `position` among those passed between the two times.
   double project(const geometry::Vec3& position, double from_s, double to_s) const;
-  /// The points after an arc length, beginning with the point at it.
+  /// Returns the points from an arc length on, beginning with the point at it.
   std::vector<geometry::Vec3> points_from_arc(double arc_m) const;
 
-  /// The same way and at most the same speed from `from_arc_m` on, braked to rest at `stop_arc_m`.
-  /// Nothing when the way is too short to stop at that deceleration.
+  /// Returns the trajectory from `from_arc_m` on along the same curve, at no more than the same speed and braked to
+  /// rest at `stop_arc_m`; nothing if that is too short a way to stop at the given deceleration.
   std::optional<Trajectory> stopped_at(double from_arc_m, double stop_arc_m, double deceleration_mps2) const;
 
  private:
@@ -43,13 +44,14 @@ class Trajectory {
   double dt_s_ = 0.0;
 };
 
-/// Deceleration that the limits allow all along a trajectory between two arc lengths. Level pieces brake by the
-/// horizontal limit, the others by what limits_along() leaves them; vertically the tighter limit counts, whichever the
-/// direction, because braking a climb is accelerating downwards. @param velocity a direction to allow for as well
+/// Returns the deceleration that the limits allow everywhere on a trajectory between two arc lengths. Level segments
+/// brake by the horizontal limit, others by limits_along(). For the vertical axis the tighter of the two limits counts
+/// in both directions, because braking a climb is accelerating downwards.
+/// @param velocity  present velocity of the vehicle, whose direction must be braked as well
 double braking_deceleration(const Trajectory& trajectory, double from_arc_m, double to_arc_m,
                             const geometry::Vec3& velocity, const DynamicsLimits& limits);
 
-/// Way covered until standstill: reaction time at constant speed, then constant deceleration.
+/// Returns the distance until standstill: the reaction time at constant speed, then constant deceleration.
 double stopping_distance(double speed_mps, double deceleration_mps2, double reaction_s);
 
 }  // namespace voxnav::planning

@@ -15,7 +15,7 @@ using geometry::Vec3;
 
 constexpr std::size_t kOpenEntryBytes = 24;
 
-/// Farther cells have no index; nothing is mapped there either.
+/// Start and goal must lie within this many cells of the origin: farther ones exceed the range of a cell's index.
 constexpr double kMaxCells = 1e9;
 
 SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin, const StopFlag* stop) {
@@ -23,12 +23,12 @@ SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::tim
   budget.stop = stop;
   budget.deadline = begin + std::chrono::microseconds(std::llround(config.timeout_s * 1e6));
   budget.max_expansions = static_cast<std::uint64_t>(config.max_expansions);
-  // A vector may need three times its size while it grows.
+  // A vector may need three times its size while it grows: the old storage and twice as much for the new one.
   budget.max_open = static_cast<std::size_t>(config.max_memory_mib * 0.5 * 1048576.0 / (3 * kOpenEntryBytes));
   return budget;
 }
 
-/// One call of plan(): the steps from a start and a goal that may be anything to a path.
+/// One call of plan(). Its steps take any start and goal: a start is left and a goal replaced if it cannot be entered.
 class PlanCall {
  public:
   PlanCall(const OccupancyView& view, const AStarConfig& config, const Vec3& start, const Vec3& goal,
@@ -62,7 +62,7 @@ class PlanCall {
     return space_.locate(voxel, &cell) && space_.cost(cell) != 0;
   }
 
-  /// Fills way_out_ with the cells from the start to the first enterable one.
+  /// Fills way_out_ with the cells from the start to the first cell that may be entered.
   bool leave_start() {
     if (!costs_.is_inside(start_cell_)) return refuse(PlanStatus::kOutsideMap);
     const bool is_forbidden = config_.unknown_policy == UnknownPolicy::kForbid;
@@ -81,7 +81,7 @@ class PlanCall {
     return false;
   }
 
-  /// Replaces a goal that cannot be entered by a cell near it and notes why the goal cannot be reached.
+  /// Replaces a goal that may not be entered by a cell near it, and records why the goal cannot be reached.
   void choose_goal() {
     goal_problem_ = PlanStatus::kComplete;
     if (!costs_.is_inside(goal_cell_)) {

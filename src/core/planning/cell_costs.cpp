@@ -12,13 +12,14 @@ constexpr float kFar = 1e9F;
 constexpr int kMaxRadius = 64;
 constexpr std::uint64_t kLowBits = 0x5555555555555555ull;
 
-/// Voxels of one kind in a word of 32 states, one bit (the lower of two) each.
+/// Returns the voxels of one state in a word of 32 states of two bits each; the lower bit of a voxel is set if it has
+/// that state.
 std::uint64_t occupied_bits(std::uint64_t word) { return (word >> 1) & kLowBits; }
 std::uint64_t unknown_bits(std::uint64_t word) { return ~(word | (word >> 1)) & kLowBits; }
 
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
-/// out[x] = min over k of in[x + k] + weights[k], for 16 neighbouring values `stride` apart per step of k.
+/// Lower envelope along one axis: out[x] = min over k of in[x + k * stride] + weights[k], for 16 values of x.
 void min_plus(const float* in, int stride, const std::vector<float>& weights, float* out) {
   std::fill(out, out + kSide, kFar);
   for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -33,7 +34,7 @@ void min_plus(const float* in, int stride, const std::vector<float>& weights, fl
 CellCosts::CellCosts(const OccupancyView& view, const AStarConfig& config, const geometry::Vec3& start)
     : view_(view), config_(config), start_(start), resolution_m_(view.resolution_m()) {
   const geometry::Aabb box = view.bounds();
-  // A voxel is inside when its centre is.
+  // A voxel is inside the box if its centre is.
   const geometry::Vec3 half = geometry::Vec3::Constant(0.5 * resolution_m_ - 1e-9 * resolution_m_);
   if (box.empty()) {
     lowest_ = {0, 0, 0};
@@ -74,8 +75,9 @@ State CellCosts::state(const geometry::Index3& voxel) {
   return states_of(geometry::block_of(voxel))->get(geometry::offset_in_block(voxel));
 }
 
-/// Separable lower envelope over a window: exact within the radius. Source: Felzenszwalb & Huttenlocher 2012,
-/// section 2, by brute force per axis, which is faster for radii of a few voxels.
+/// Squared distance transform as a lower envelope, one axis after another: exact within the radius.
+/// Source: Felzenszwalb & Huttenlocher, Theory of Computing 2012, section 2; here by brute force on each axis, which is
+/// faster for radii of a few voxels.
 template <class Select>
 bool CellCosts::distances(const geometry::Index3& block, Select select, Distances* out) {
   const int side = kSide + 2 * radius_;
@@ -160,7 +162,7 @@ void CellCosts::compute(const geometry::Index3& block, CostBlock* out) {
     CellCost& cost = (*out)[offset];
     cost = 0;
     if (!is_inside(voxel) || (has_forbidden && hard[offset])) continue;
-    // What another map forbids gives way only where this map knows the whole surroundings.
+    // A soft voxel, which another map forbids, may be entered only where this map knows all voxels around it.
     const bool knows_better = !is_near_unknown || (to_unknown[offset] > 0.0F && to_unknown[offset] >= safety_sq_);
     if (has_forbidden && soft[offset] && !knows_better) continue;
     cost = cost_of(voxel, states->get(offset), is_near_occupied, is_near_occupied ? to_occupied[offset] : kNoDistances);

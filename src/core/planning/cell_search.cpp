@@ -10,7 +10,7 @@ namespace {
 
 using geometry::Index3;
 
-/// An escape that needs more cells than this is no escape.
+/// Bound on the work of an escape: a search that touches more cells than this is given up.
 constexpr std::size_t kMaxEscapeCells = 20000;
 
 std::int64_t distance_sq(const Index3& a, const Index3& b) {

@@ -12,10 +12,10 @@ namespace {
 using geometry::Index3;
 using geometry::Vec3;
 
-/// Longer pieces are split, so that the box around a slanted piece stays slim.
+/// Longer segments are split, since the box around a long slanted segment holds many voxels far from it.
 constexpr double kMaxPieceInRadii = 2.0;
 
-/// Reads single voxels through the block last used; corridors are local, so it nearly always is the right one.
+/// Reads single voxels through a cache of one block: corridors are local, so the next voxel nearly always lies in it.
 class BlockReader {
  public:
   explicit BlockReader(const OccupancyView& view) : view_(view) {}
@@ -43,7 +43,7 @@ class BlockReader {
 };
 
 struct Touch {
-  double t = 2.0;  ///< parameter on the piece; above 1 = none
+  double t = 2.0;  ///< parameter on the segment from 0 to 1; above 1 = no touch
   State state = State::kFree;
   Vec3 center;
 };
@@ -60,7 +60,7 @@ class PieceChecker {
     box.extend(piece.b);
     const Index3 low = geometry::index_of(box.min.array() - radius_m_, resolution_m_);
     const Index3 high = geometry::index_of(box.max.array() + radius_m_, resolution_m_);
-    // Only voxels whose centre is nearer than this can be touched.
+    // The ball can only touch voxels whose centre is nearer than the radius and half the diagonal of a voxel.
     const double reach = radius_m_ + 0.5 * std::sqrt(3.0) * resolution_m_;
     const Vec3 direction = piece.b - piece.a;
     const double inverse_sq = direction.squaredNorm() > 0.0 ? 1.0 / direction.squaredNorm() : 0.0;
@@ -87,7 +87,7 @@ class PieceChecker {
   void consider(const Segment& piece, const Vec3& center, State state, Touch* first) const {
     const Vec3 half = Vec3::Constant(0.5 * resolution_m_);
     const geometry::Aabb box{center - half, center + half};
-    // A piece that starts at or beyond the first touch known cannot improve on it.
+    // If the segment up to the first known touch stays clear of this voxel, the voxel is not touched earlier.
     if (first->t <= 1.0 && squared_distance(Segment{piece.a, piece.at(first->t)}, box) >= radius_m_ * radius_m_) return;
     const double t = first_parameter_within(piece, box, radius_m_);
     if (t < 0.0 || t >= first->t) return;
@@ -115,7 +115,7 @@ CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>
   out.unsafe_state = State::kUnknown;
   if (!is_usable(points, view.resolution_m()) || !(radius_m >= 0.0)) return out;
   for (std::size_t i = 1; i < points.size(); ++i) out.length_m += (points[i] - points[i - 1]).norm();
-  // A zero radius still has to touch the voxels that the line runs through.
+  // With a radius of exactly zero no distance would be below it, not even that of the voxels that the line crosses.
   const double radius = std::max(radius_m, 1e-3 * view.resolution_m());
   const double max_piece_m = kMaxPieceInRadii * std::max(radius, view.resolution_m());
   PieceChecker checker(view, radius, rule);

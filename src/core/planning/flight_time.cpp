@@ -12,17 +12,17 @@ using geometry::Vec3;
 constexpr double kTiny = 1e-9;
 constexpr int kCutBisections = 40;
 
-/// Square of the speed at which the corner between two pieces may be passed.
+/// Returns the squared speed at which the corner between two segments may be passed.
 double corner_speed_sq(const Vec3& before, const Vec3& after, double acceleration, double tolerance_m) {
   const double cosine = before.dot(after) / std::max(kTiny, before.norm() * after.norm());
-  // Interior angle: pi for a straight line.
+  // The interior angle of the corner; it is pi for a straight line.
   const double half_angle = 0.5 * (M_PI - std::acos(std::min(1.0, std::max(-1.0, cosine))));
   const double s = std::sin(half_angle);
   if (s > 1.0 - 1e-6) return std::numeric_limits<double>::infinity();
   return acceleration * tolerance_m * s / (1.0 - s);
 }
 
-/// Time over a piece with given squared speeds at its ends.
+/// Returns the time to fly a segment with the given squared speeds at its ends.
 double piece_time(double length, double entry_sq, double exit_sq, const AxisLimits& limits) {
   if (length < kTiny) return 0.0;
   const double a = limits.acceleration_mps2;

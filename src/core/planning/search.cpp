@@ -20,7 +20,8 @@ struct Entry {
   CellRef cell;
 };
 
-/// Heap order: smallest f on top, among equals the largest g, then the cell number for determinism.
+/// Heap order: the smallest f is on top, among equals the largest g, then the lowest cell number, so that the order
+/// does not depend on anything else.
 struct ComesLater {
   bool operator()(const Entry& a, const Entry& b) const {
     if (a.f != b.f) return a.f > b.f;
@@ -30,7 +31,7 @@ struct ComesLater {
   }
 };
 
-/// Length of the shortest 26-connected path in empty space.
+/// Octile distance: the length of the shortest 26-connected path in empty space.
 std::uint64_t octile(const geometry::Index3& a, const geometry::Index3& b) {
   std::array<std::uint64_t, 3> d = {static_cast<std::uint64_t>(std::abs(a.x - b.x)),
                                     static_cast<std::uint64_t>(std::abs(a.y - b.y)),
@@ -81,7 +82,7 @@ class AStarSearch {
     return (block.arrived_by[cell.offset] & SearchSpace::kClosed) != 0;
   }
 
-  /// True at the goal.
+  /// Expands a cell; returns true if it is the goal.
   bool note_best(CellRef cell, std::uint64_t g) {
     const std::uint64_t h = octile(space_.voxel(cell), goal_);
     if (h < best_h_ || (h == best_h_ && g < best_g_)) {
@@ -100,7 +101,7 @@ class AStarSearch {
         enterable |= 1u << move;
       }
     }
-    // A start that may not be entered counts as a cell of unit cost when it is left.
+    // If the start itself may not be entered, the step that leaves it is charged as from a cell of unit cost.
     const std::uint64_t here = std::max<CellCost>(space_.cost(from), kUnitCost);
     for (int move = 0; move < kNumMoves; ++move) {
       const Move& step = moves()[move];
@@ -109,7 +110,7 @@ class AStarSearch {
       SearchSpace::Block& block = space_.block(cells[move]);
       // A closed cell stays closed: with weight 1 it has its least cost already, because the octile distance is
       // consistent, and with weight w at most w times that. Without the rule a weighted search may expand cells again
-      // and again. Source: Likhachev, Gordon & Thrun 2003 (ARA*), section 2.
+      // and again. Source: Likhachev, Gordon & Thrun, ARA*, NIPS 2003, section 2.
       if (next_g >= block.g[cells[move].offset] || is_closed(block, cells[move])) continue;
       block.g[cells[move].offset] = next_g;
       block.arrived_by[cells[move].offset] = static_cast<std::uint8_t>(move);
@@ -133,8 +134,8 @@ class AStarSearch {
     return outcome_;
   }
 
-  /// Walks from the best cell to the start, the only cell no move led to. Each cell was closed after the one that
-  /// led to it and keeps its move from then on, so the walk cannot run in circles.
+  /// Follows the moves back from the best cell to the start, the only cell to which no move led. Each cell was closed
+  /// after its predecessor and keeps its move from then on, so the walk cannot run in circles.
   void trace_back() {
     CellRef cell = best_;
     for (;;) {

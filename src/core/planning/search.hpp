@@ -10,8 +10,8 @@
 
 namespace voxnav::planning {
 
-/// Limits shared by all loops of one planning call. The flag, or the clock where there is none, bounds the effort;
-/// nothing else depends on it.
+/// Limits shared by all loops of one planning call. The stop flag ends them if there is one, else the wall clock does;
+/// no other decision depends on the time.
 struct SearchBudget {
   const StopFlag* stop = nullptr;
   std::chrono::steady_clock::time_point deadline;
@@ -24,23 +24,25 @@ enum class SearchEnd { kGoal, kExhausted, kTimeout, kLimit };
 
 struct SearchOutcome {
   SearchEnd end = SearchEnd::kExhausted;
-  std::vector<geometry::Index3> cells;  ///< to the goal, or to the expanded cell nearest to it
-  double cost_cells = 0.0;              ///< in voxel edges
+  std::vector<geometry::Index3> cells;  ///< path to the goal, or to the expanded cell nearest to it
+  double cost_cells = 0.0;              ///< cost of the path [voxel edges at unit cost]
   std::uint64_t expansions = 0;
   std::size_t open_bytes = 0;
 };
 
-/// The A* loop. @param start, goal enterable or not; only enterable neighbours are entered.
+/// The A* loop. Only cells that may be entered are expanded into; the start is exempt, and a goal that may not be
+/// entered is never reached.
 SearchOutcome search(SearchSpace* space, const geometry::Index3& start, const geometry::Index3& goal,
                      double heuristic_weight, const SearchBudget& budget);
 
-/// Nearest enterable cell around `center` by distance, ties by index; at most `radius_m` away.
+/// Finds the cell nearest to `center` that may be entered; ties go to the lower index.
+/// @return false if there is none within `radius_cells`
 bool nearest_enterable(SearchSpace* space, const geometry::Index3& center, double radius_cells,
                        const SearchBudget& budget, geometry::Index3* out);
 
-/// Shortest way out of cells that are not occupied but may not be entered, to the first enterable cell; never
-/// through occupied cells, and through unknown ones only when `may_cross_unknown`. Empty when there is none
-/// within the radius. The result starts at `start`.
+/// Finds the shortest way out of cells that are not occupied but may not be entered, to the first cell that may. It
+/// never leads through occupied cells, and through unknown ones only if `may_cross_unknown` is set.
+/// @return cells from `start` on; empty if there is no way out within the radius
 std::vector<geometry::Index3> escape(SearchSpace* space, CellCosts* costs, const geometry::Index3& start,
                                      double radius_cells, bool may_cross_unknown, const SearchBudget& budget);
 

@@ -12,38 +12,39 @@
 
 namespace voxnav::planning {
 
-/// A cell of a search: number of its block in the search space, and offset inside.
+/// Refers to a cell of a search by the number of its block in the search space and the offset in that block.
 struct CellRef {
   std::uint32_t block = 0;
   std::uint16_t offset = 0;
 };
 
 constexpr std::uint64_t kUnreached = std::numeric_limits<std::uint64_t>::max();
-/// Moves 0 to 26: x + 3 y + 9 z of the step plus one on each axis; 13 stands still.
+/// Moves are numbered 0 to 26: (x + 1) + 3 (y + 1) + 9 (z + 1) for a step (x, y, z); number 13 stands still.
 constexpr int kNumMoves = 27;
 constexpr int kNoMove = 13;
 
-/// Cells with their costs and search nodes, in blocks made on first touch and bounded in number.
+/// The cells of a search with their costs and search nodes, in blocks that are created when first touched. The memory
+/// of the blocks is bounded.
 class SearchSpace {
  public:
   struct Block {
     geometry::Index3 index;
-    std::array<std::int64_t, kNumMoves> neighbours;  ///< block numbers; kUnresolved or kRefused
+    std::array<std::int64_t, kNumMoves> neighbours;  ///< numbers of the blocks one move away, kUnresolved or kRefused
     CostBlock costs;
     std::array<std::uint64_t, geometry::kBlockVolume> g;
-    std::array<std::uint8_t, geometry::kBlockVolume> arrived_by;  ///< move that led here; kClosed is OR-ed in
+    std::array<std::uint8_t, geometry::kBlockVolume> arrived_by;  ///< move that led to the cell, with kClosed OR-ed in
   };
   static constexpr std::uint8_t kClosed = 0x80;
 
-  /// @param max_bytes blocks beyond this are refused: their cells cannot be entered
+  /// @param max_bytes  memory of all blocks; a block beyond it is refused, and its cells cannot be entered
   SearchSpace(CellCosts* costs, std::uint64_t max_bytes);
 
-  /// False when the block was refused for lack of memory.
+  /// Finds the cell of a voxel; returns false if its block was refused for lack of memory.
   bool locate(const geometry::Index3& voxel, CellRef* out);
   geometry::Index3 voxel(CellRef cell) const;
   Block& block(CellRef cell) { return *blocks_[cell.block]; }
   CellCost cost(CellRef cell) const { return blocks_[cell.block]->costs[cell.offset]; }
-  /// The cell one move away, or false when its block was refused.
+  /// Finds the cell one move away; returns false if its block was refused for lack of memory.
   bool step(CellRef from, int move, CellRef* out);
 
   bool has_refused() const { return has_refused_; }
@@ -62,7 +63,8 @@ class SearchSpace {
   std::unordered_map<geometry::Index3, std::uint32_t, geometry::Index3Hash> numbers_;
 };
 
-/// The 26 moves: step, squared length, and the cells of the 3^3 neighbourhood (bits by move number) that it touches.
+/// A move: its step, the number of axes along which it goes, and the cells of the 3^3 neighbourhood that it touches
+/// (one bit for each move number).
 struct Move {
   geometry::Index3 step;
   int num_axes;

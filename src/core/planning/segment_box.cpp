@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kBisections = 48;
 
-/// Vector from the nearest point of the box to the point.
+/// Returns the vector from the nearest point of the box to the point.
 geometry::Vec3 excess(const geometry::Vec3& point, const geometry::Aabb& box) {
   return point - point.cwiseMax(box.min).cwiseMin(box.max);
 }

@@ -20,12 +20,13 @@ CellCost cost_at(SearchSpace* space, const Index3& voxel) {
   return space->locate(voxel, &cell) ? space->cost(cell) : CellCost{0};
 }
 
-/// Steps from cell to cell along the line between two centres. Source: Amanatides & Woo 1987.
+/// Walks from cell to cell along the line between two centres.
+/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2.
 struct LineWalk {
   Index3 voxel;
   std::array<int, 3> step;
-  std::array<double, 3> next;   ///< parameter of the next boundary per axis
-  std::array<double, 3> delta;  ///< parameter between boundaries
+  std::array<double, 3> next;   ///< line parameter of the next cell boundary on each axis
+  std::array<double, 3> delta;  ///< difference of the line parameter between two boundaries on each axis
 
   LineWalk(const Index3& from, const Index3& to) : voxel(from) {
     const std::array<int, 3> d = {to.x - from.x, to.y - from.y, to.z - from.z};
@@ -38,7 +39,7 @@ struct LineWalk {
   Index3 moved(int axes) const {
     return voxel + Index3{(axes & 1) ? step[0] : 0, (axes & 2) ? step[1] : 0, (axes & 4) ? step[2] : 0};
   }
-  /// Axes (bits) whose boundary comes next; several when the line runs through an edge or a corner.
+  /// Returns the axes, as bits, on which the line crosses a boundary next: several at an edge or a corner.
   int crossing(double* t) const {
     *t = std::min({next[0], next[1], next[2]});
     int axes = 0;
@@ -63,7 +64,7 @@ class Simplifier {
     }
   }
 
-  /// Farthest cell that a straight line from cell `from` may replace the path to.
+  /// Returns the farthest cell to which a straight line from cell `from` may replace the path.
   std::size_t farthest_from(std::size_t from) const {
     std::size_t good = from + 1, stride = 1, bad = cells_.size();
     while (good + stride < cells_.size() && is_replaceable(from, good + stride)) {
@@ -92,7 +93,8 @@ class Simplifier {
 
   bool is_known_near_start(const Segment& line) const {
     if (rules_.known_m <= 0.0 || (line.a - rules_.start).norm() >= rules_.known_range_m) return true;
-    // A path leaves the start: what comes back into its range later is a matter for the next plan.
+    // Only the part up to where the segment leaves the range is checked: a path that comes back into the range is flown
+    // there much later, when a newer plan has replaced this one.
     const geometry::Aabb point{rules_.start, rules_.start};
     const bool ends_within = (line.b - rules_.start).norm() <= rules_.known_range_m;
     const Segment back{line.b, line.a};
@@ -112,7 +114,7 @@ class Simplifier {
 
 double line_cost(SearchSpace* space, const Index3& from, const Index3& to) {
   const double length = std::sqrt(std::pow(to.x - from.x, 2) + std::pow(to.y - from.y, 2) + std::pow(to.z - from.z, 2));
-  // A start that may not be entered counts as unit cost, as in the search.
+  // A start that may not be entered counts as a cell of unit cost, as in the search.
   CellCost here = std::max(cost_at(space, from), kUnitCost);
   LineWalk walk(from, to);
   double cost = 0.0, before = 0.0, t = 0.0;

@@ -7,25 +7,28 @@
 
 namespace voxnav::planning {
 
-/// What a straight piece must keep.
+/// The distances that a shortcut must keep.
 struct ShortcutRules {
-  double clearance_m = 0.0;    ///< from occupied voxels, everywhere
-  double known_m = 0.0;        ///< of known free space around it, as far as `known_range_m` from `start`
-  double known_range_m = 0.0;  ///< a piece that lacks it replaces nothing: the cells were chosen with care there
+  double clearance_m = 0.0;  ///< distance from occupied voxels, everywhere
+  double known_m = 0.0;      ///< radius of known free space that a shortcut needs within known_range_m of the start
+  double known_range_m =
+      0.0;  ///< in this range the search paid for cells amid known space; shortcuts may not lose that
   geometry::Vec3 start = geometry::Vec3::Zero();
 };
 
-/// Keeps a subset of the cells (first and last among them) such that each straight piece between kept neighbours
-/// - touches enterable cells only,
-/// - keeps the rules (exact, see check_corridor), and
-/// - costs no more than the pieces it replaces.
-/// Searches by doubling, then bisection: O(n log n) lines of sight. When time runs out the rest stays as it is.
+/// Keeps a subset of the cells, the first and the last among them, such that each shortcut (the straight segment
+/// between two kept cells)
+/// - touches only cells that may be entered,
+/// - keeps the rules (exactly, see check_corridor()), and
+/// - costs no more than the part of the path that it replaces.
+/// The farthest such cell is found by doubling and bisection: O(n log n) lines of sight. If time runs out, the rest of
+/// the path stays as it is.
 std::vector<geometry::Index3> simplify(SearchSpace* space, const OccupancyView& view,
                                        const std::vector<geometry::Index3>& cells, const ShortcutRules& rules,
                                        const SearchBudget& budget);
 
-/// Cost of the straight line between two cell centres in voxel edges; negative when it touches a cell that may not
-/// be entered.
+/// Returns the cost of the straight line between two cell centres [voxel edges]; negative if it touches a cell that may
+/// not be entered.
 double line_cost(SearchSpace* space, const geometry::Index3& from, const geometry::Index3& to);
 
 }  // namespace voxnav::planning

@@ -12,9 +12,9 @@ using geometry::Vec3;
 
 constexpr int kStepsPerSample = 20;
 constexpr int kMaxSamples = 2000;
-/// The last bit of a braking curve is flown at this speed, otherwise it would take for ever.
+/// Minimum speed on a braking curve, which in equal time steps would otherwise never quite reach its end.
 constexpr double kCreepSpeed = 0.05;
-/// Shorter pieces and slower velocities have no direction worth the name.
+/// Shorter segments and slower velocities do not determine a direction.
 constexpr double kMinPiece_m = 1e-6;
 constexpr double kMinSpeed_mps = 0.1;
 
