@@ -21,7 +21,7 @@ struct Entry {
 };
 
 /// Heap order: the smallest f is on top, among equals the largest g, then the lowest cell number, so that the order
-/// does not depend on anything else.
+/// depends on nothing else.
 struct ComesLater {
   bool operator()(const Entry& a, const Entry& b) const {
     if (a.f != b.f) return a.f > b.f;

@@ -9,10 +9,9 @@ namespace voxnav::planning {
 
 /// The distances that a shortcut must keep.
 struct ShortcutRules {
-  double clearance_m = 0.0;  ///< distance from occupied voxels, everywhere
-  double known_m = 0.0;      ///< radius of known free space that a shortcut needs within known_range_m of the start
-  double known_range_m =
-      0.0;  ///< in this range the search paid for cells amid known space; shortcuts may not lose that
+  double clearance_m = 0.0;    ///< distance from occupied voxels, everywhere
+  double known_m = 0.0;        ///< radius of known free space that a shortcut needs within known_range_m of the start
+  double known_range_m = 0.0;  ///< range around the start in which the search chose cells amid known space
   geometry::Vec3 start = geometry::Vec3::Zero();
 };
 
