@@ -10,8 +10,8 @@
 #include "pybind.hpp"
 #include "voxnav/geometry/bend.hpp"
 
-/// Strict numpy arguments: a wrong dtype, shape or layout raises ValueError naming argument, what it is
-/// and what it must be. Nothing is converted or copied silently.
+/// Strict numpy arguments: a wrong dtype, shape or layout raises a ValueError that names the argument, what it is and
+/// what it must be. Nothing is converted or copied silently.
 namespace voxnav::bindings {
 
 namespace py = pybind11;

@@ -11,11 +11,11 @@ namespace voxnav::bindings {
 
 namespace py = pybind11;
 
-/// @throws base::ConfigError naming the key when the value has no type a field can have
+/// @throws base::ConfigError naming the key if no field can have the type of the value
 base::ValueMap to_values(const py::dict& dict);
 py::object to_python(const base::Value& value);
 
-/// A field as Python sees it: an enum as a member of its Python enum, which bind_words() made before.
+/// Converts a field for Python. An enum becomes a member of its Python enum, which bind_words() must have made before.
 template <class T>
 py::object field_object(const T& field) {
   if constexpr (base::HasWords<T>::value) {
@@ -41,7 +41,8 @@ py::class_<C> bind_config(py::module_& m, const char* name, const char* doc) {
   cls.def(py::init([](const py::kwargs& kwargs) { return config_from<C>(kwargs); }),
           "Defaults, with fields set by keyword.\n\nRaises ConfigError listing every unknown, mistyped or out-of-range "
           "field.");
-  cls.def_static("from_dict", &config_from<C>, py::arg("values"), "The same from a dict, as YAML gives it.");
+  cls.def_static("from_dict", &config_from<C>, py::arg("values"),
+                 "Makes a configuration from a dict, as YAML gives it.");
   C::fields([&](const char* field, auto member, const base::Rule& rule, const char* unit, const char* field_doc) {
     const std::string text = std::string(field_doc) + (*unit ? std::string(" [") + unit + "]" : std::string());
     const std::string key = field;

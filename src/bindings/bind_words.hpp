@@ -18,7 +18,7 @@ py::object make_word_enum(const py::module_& m, const char* name, const std::vec
 /// @throws py::value_error naming the argument, what it may be and what it is
 [[noreturn]] void refuse_word(const char* argument, const std::vector<std::string>& words, const std::string& given);
 
-/// The Python enum of E; none before bind_words<E>.
+/// The Python enum of E; null before bind_words<E>() was called.
 template <class E>
 py::handle& word_enum() {
   static py::handle type = py::none();

@@ -110,7 +110,7 @@ std::vector<geometry::Vec3f> directions_of(const py::object& rows) {
 
 void bind_sweep(py::module_& m) {
   using cloud::Sweep;
-  py::class_<Sweep>(m, "Sweep", "One turn of a LiDAR: what returned, when, and where nothing did. See read_sweep().")
+  py::class_<Sweep>(m, "Sweep", "One turn of a LiDAR: points with their times, and open beams. See read_sweep().")
       .def_readonly("stamp_ns", &Sweep::stamp_ns)
       .def_readonly("start_ns", &Sweep::start_ns, "When the sweep began.")
       .def_readonly("duration_ns", &Sweep::duration_ns, "The largest time offset.")
@@ -133,10 +133,14 @@ void bind_sweep(py::module_& m) {
         return cloud::read_sweep(view_of(data, layout, stamp_ns));
       },
       py::arg("data"), py::arg("layout"), py::arg("stamp_ns") = 0,
-      "Sweep of a cloud as drivers publish it.\n\ndata: bytes; layout: CloudLayout; stamp_ns: of its header.\n"
-      "Raises ValueError saying what is wrong with the layout. O(points).");
-  bind_config<cloud::OpenBeamsConfig>(m, "OpenBeamsConfig", "Which beams count as having met nothing.");
-  py::class_<cloud::OpenBeams>(m, "OpenBeams", "Finds the beams of organised scans that met nothing. Not thread-safe.")
+      "Reads a cloud, as drivers publish it, into a Sweep.\n\n"
+      "data: bytes; layout: CloudLayout; stamp_ns: stamp of the cloud's header.\n"
+      "Raises ValueError that says what is wrong with the layout. O(points).");
+  bind_config<cloud::OpenBeamsConfig>(m, "OpenBeamsConfig", "Which beams without return count as open beams.");
+  py::class_<cloud::OpenBeams>(
+      m, "OpenBeams",
+      "Finds the open beams of organised scans: those that met nothing, and neither did their neighbours. Not "
+      "thread-safe.")
       .def(py::init<const cloud::OpenBeamsConfig&>(), py::arg("config") = cloud::OpenBeamsConfig())
       .def(
           "find",
@@ -153,11 +157,11 @@ void bind_layout(py::module_& m) {
            py::arg("row_step") = 0, py::arg("is_big_endian") = false,
            "fields: list of (name, offset, datatype, count), datatypes numbered as in sensor_msgs/PointField.")
       .def("problem", &CloudLayout::problem, py::arg("data_size"),
-           "Why so many bytes cannot be read as this layout; empty when they can.");
+           "Explains why data of this many bytes cannot be read with this layout; empty if it can.");
 }
 
 void bind_result(py::module_& m) {
-  py::class_<FilterResult>(m, "FilterResult", "What CloudFilter made of one cloud.")
+  py::class_<FilterResult>(m, "FilterResult", "The result of CloudFilter for one cloud.")
       .def_property_readonly(
           "points", [](const FilterResult& r) { return rows_of(r.points); },
           "(n, 4) float32: x y z in the sensor frame [m], intensity.")
@@ -168,21 +172,22 @@ void bind_result(py::module_& m) {
           "ghosts", [](const FilterResult& r) { return rows_of(r.ghosts); }, "(k, 4) float32.")
       .def_property_readonly(
           "far", [](const FilterResult& r) { return rows_of(r.far); }, "(k, 4) float32.")
-      .def_property_readonly("counts", &counts_of, "Points by what became of them; the values sum up to `total`.")
+      .def_property_readonly("counts", &counts_of, "Numbers of points kept and removed by reason; they sum to `total`.")
       .def_property_readonly("total", [](const FilterResult& r) { return r.counts.total; })
       .def_property_readonly(
           "sweep_start_s", [](const FilterResult& r) { return base::to_seconds(r.sweep_start_ns); },
-          "Start of the sweep after the cloud's stamp [s]; negative when the stamp is its end.")
+          "Start of the sweep relative to the cloud's stamp [s]; negative if the stamp is the end of the sweep.")
       .def(
           "sweep",
           [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams) {
             return cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
           },
           py::arg("stamp_ns"), py::arg("open_beams") = py::none(),
-          "Sweep of a cloud with this stamp; open_beams: (k, 3) float32 from OpenBeams.find().")
+          "The filtered points as a Sweep.\n\n"
+          "The stamp is that of the cloud; open_beams: (k, 3) float32 from OpenBeams.find().")
       .def_readonly("num_bad_times", &FilterResult::num_bad_times)
       .def_readonly("is_ghost_filter_suspended", &FilterResult::is_ghost_filter_suspended,
-                    "True when no return had any intensity, so that none was dropped for it.");
+                    "True if no return had any intensity, so that none was removed as a ghost.");
 }
 
 }  // namespace
@@ -193,19 +198,20 @@ void bind_cloud(py::module_& m) {
   bind_result(m);
   bind_config<cloud::CloudFilterConfig>(m, "CloudFilterConfig", "Which returns of a scan are kept.");
   py::class_<cloud::CloudFilter>(m, "CloudFilter",
-                                 "Removes missing returns, own body, ghosts and surplus from scans. Not thread-safe.")
+                                 "Removes missing returns, returns of the vehicle itself, ghosts and surplus points "
+                                 "from scans. Not thread-safe.")
       .def(py::init<const cloud::CloudFilterConfig&>(), py::arg("config") = cloud::CloudFilterConfig())
       .def("apply", &apply, py::arg("cloud"),
-           "Filter a cloud in the sensor frame.\n\n"
+           "Filters a cloud in the sensor frame.\n\n"
            "cloud: (h, w, 4) float32 organised, or (n, 4) float32; x y z [m], intensity.\n"
            "Returns FilterResult. Raises ValueError on another shape or dtype. O(points).")
       .def("apply_raw", &apply_raw, py::arg("data"), py::arg("layout"), py::arg("stamp_s") = 0.0,
            py::arg("stamp_ns") = py::none(),
-           "Filter a cloud as drivers publish it, read in place.\n\n"
+           "Filters a cloud as drivers publish it, which is read in place.\n\n"
            "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times, or "
            "stamp_ns,\n"
            "the same to the last nanosecond.\n"
-           "Raises ValueError saying what is wrong with the layout.");
+           "Raises ValueError that says what is wrong with the layout.");
 }
 
 }  // namespace voxnav::bindings

@@ -81,17 +81,17 @@ void bind_containers(py::module_& m) {
   py::class_<StateGrid>(m, "StateGrid", "Three-state voxel grid in blocks of 16^3; what is absent is unknown.")
       .def(py::init<double>(), py::arg("resolution_m"))
       .def_static("from_array", &grid_from_array, py::arg("states"), py::arg("origin"), py::arg("resolution_m"),
-                  "Grid from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"
+                  "Makes a grid from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"
                   "origin: (3,) metres, lowest corner of voxel [0, 0, 0]; snapped to the grid.")
       .def("states", &states_at, py::arg("points"), "(n,) int8 states of (n, 3) float32 points [m].")
       .def("apply_update", &apply_update, py::arg("block_indices"), py::arg("states"), py::arg("removed"),
            py::arg("is_snapshot"),
-           "Apply a GridUpdate message.\n\n"
+           "Applies a GridUpdate message.\n\n"
            "block_indices, removed: (n, 3) or flat integers, x y z per block of 16^3 voxels; states: bytes or uint8,\n"
            "1024 per block. Raises ValueError on lengths that do not match; the grid is then unchanged.")
       .def(
           "snapshot", [](const StateGrid& grid) { return update_dict(containers::snapshot_of(grid)); },
-          "Everything as a dict with the keywords of apply_update.")
+          "The whole grid as a dict with the keywords of apply_update().")
       .def("centers", &centers, py::arg("state"),
            "(k, 3) float32 centres [m] of the voxels in a state (1 free, 2 occupied), in block order.")
       .def_property_readonly("num_blocks", [](const StateGrid& grid) { return grid.blocks().size(); })

@@ -97,7 +97,7 @@ void bind_poses(py::module_& m) {
   m.def(
       "yaw_of", [](const py::array& T) { return geometry::yaw_of(pose_of(T, "T_A_B")); }, py::arg("T_A_B"),
       "Heading of a (4, 4) float64 pose [rad].");
-  m.def("wrap_angle", &geometry::wrap_angle, py::arg("angle_rad"), "The same angle in [-pi, pi).");
+  m.def("wrap_angle", &geometry::wrap_angle, py::arg("angle_rad"), "Returns the equivalent angle in [-pi, pi).");
   m.def(
       "gravity_aligned", [](const py::array& T) { return pose_array(geometry::gravity_aligned(pose_of(T, "T_A_B"))); },
       py::arg("T_A_B"), "(4, 4) with the position and heading of a pose, roll and pitch 0.");

@@ -39,7 +39,7 @@ void bind_report(py::module_& m) {
   using Report = graph::OptimizeReport;
   using Kind = graph::KindReport;
   py::class_<Report>(m, "OptimizeReport",
-                     "What SubmapGraph.optimize() did. Costs are sums of squared residuals in sigmas.")
+                     "Report of a SubmapGraph.optimize(). Costs are sums of squared residuals in sigmas.")
       .def_property_readonly(
           "costs_before", [](const Report& r) { return per_kind(r, [](const Kind& k) { return k.cost_before; }); },
           "dict: ConstraintKind -> cost of the input.")
@@ -57,9 +57,10 @@ void bind_report(py::module_& m) {
       .def_readonly("iterations", &Report::iterations)
       .def_readonly("num_submaps", &Report::num_submaps)
       .def_readonly("pairs", &Report::num_pairs, "Overlapping pairs in the graph.")
-      .def_readonly("num_new_pairs", &Report::num_new_pairs, "Pairs that were registered by themselves in this solve.")
-      .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations, "Models of pairs that were made anew.")
-      .def_readonly("num_searches", &Report::num_searches, "Pairs for which a search was made besides the descent.")
+      .def_readonly("num_new_pairs", &Report::num_new_pairs,
+                    "Pairs that were registered alone (without the rest of the graph) in this solve.")
+      .def_readonly("num_pair_evaluations", &Report::num_pair_evaluations, "Evaluations of the model of a pair.")
+      .def_readonly("num_searches", &Report::num_searches, "Pairs that were registered by a grid search, too.")
       .def_readonly("num_recognised", &Report::num_recognised, "Loop closures that place recognition added.")
       .def_readonly("seconds", &Report::seconds, "CPU time of the calling thread.")
       .def_property_readonly(
@@ -209,10 +210,11 @@ py::array_t<double> submap_bends(const py::array& spans_s, const py::array& T_O_
 }  // namespace
 
 void bind_graph(py::module_& m) {
-  bind_words<ConstraintKind>(m, "ConstraintKind", "What a constraint was measured by.");
+  bind_words<ConstraintKind>(m, "ConstraintKind", "The kind of measurement behind a constraint.");
   bind_words<graph::GnssType>(m, "GnssType", "Message type of the positions that satellites give.");
   bind_config<graph::SubmapGraphConfig>(m, "SubmapGraphConfig", "Parameters of SubmapGraph.");
-  bind_config<graph::OptimizerConfig>(m, "OptimizerConfig", "What the submap optimiser does around SubmapGraph.");
+  bind_config<graph::OptimizerConfig>(m, "OptimizerConfig",
+                                      "Parameters of the submap optimiser beside those of SubmapGraph.");
   bind_report(m);
   bind_submap_graph(m);
   m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("spans_s"),
@@ -223,9 +225,10 @@ void bind_graph(py::module_& m) {
         "middles of two submaps is blended from both. Returns T_W_B, (n, 4, 4) float64.");
   m.def(
       "submap_bends", &submap_bends, py::arg("spans_s"), py::arg("T_O_S"), py::arg("T_W_S"), py::arg("max_shift_m"),
-      "Drift within submaps that the graph moved, from the arguments of correct_trajectory().\n\n"
-      "Returns (k, 2, 4, 4) float64: how that which each submap saw when it began, and when it ended, has to be moved\n"
-      "to lie as its middle does. A move of more than max_shift_m is a jump of odometry, which is left alone.");
+      "Estimates the drift within submaps that the graph moved, from the arguments of correct_trajectory().\n\n"
+      "Returns (k, 2, 4, 4) float64, T_S_begin and T_S_end of each submap: they move what the submap observed at its\n"
+      "beginning and at its end to where it would lie without drift against its middle. A shift of more than\n"
+      "max_shift_m is taken for a jump of odometry, and such a submap is left rigid.");
 }
 
 }  // namespace voxnav::bindings

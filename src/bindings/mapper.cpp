@@ -39,19 +39,19 @@ MapperConfig config_of(const py::kwargs& kwargs) {
 }
 
 void bind_mapper_config(py::module_& m) {
-  auto cls = bind_config<MapperConfig>(m, "MapperConfig", "How sweeps are put into the local map.");
+  auto cls = bind_config<MapperConfig>(m, "MapperConfig", "Parameters of Mapper.");
   cls.def(py::init(&config_of),
           "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own.\n"
-          "With odometry the mapper finds its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
+          "If odometry is given, the mapper estimates its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
   cls.def_readwrite("map", &MapperConfig::map)
       .def_readwrite("submap", &MapperConfig::submap)
       .def_readwrite("load", &MapperConfig::load)
       .def_readwrite("odometry", &MapperConfig::odometry, "LidarOdometryConfig, or None: poses come from elsewhere.")
       .def_readwrite("first_submap_id", &MapperConfig::first_submap_id,
-                     "Id of the first submap; None: the seconds of its first stamp.");
+                     "Id of the first submap; None takes the seconds of its first stamp.");
 }
 
-/// One pose for a whole sweep, which is then not deskewed.
+/// Reads the pose for a whole sweep, which is then not deskewed.
 std::optional<SweepPoses> poses_from(const py::object& T_O_B, const geometry::Pose& T_B_L) {
   if (T_O_B.is_none()) return std::nullopt;
   const geometry::Pose body = pose_of(py::cast<py::array>(T_O_B), "T_O_B");
@@ -59,7 +59,7 @@ std::optional<SweepPoses> poses_from(const py::object& T_O_B, const geometry::Po
   return SweepPoses{{sensor, sensor, 0}, body};
 }
 
-/// A mapper and where its sensor sits.
+/// A mapper with the pose of its LiDAR on the body.
 struct MountedMapper {
   MountedMapper(const MapperConfig& config, const geometry::Pose& mount) : T_B_L(mount), mapper(config, mount) {}
   geometry::Pose T_B_L;
@@ -85,19 +85,21 @@ void add_imu(MountedMapper& self, const py::array& stamps, const py::array& gyro
 }
 
 void bind_step(py::module_& m) {
-  bind_words<SweepFate>(m, "SweepFate", "What became of a sweep.");
-  py::class_<MapperStep>(m, "MapperStep", "What Mapper.next() made of one sweep.")
+  bind_words<SweepFate>(m, "SweepFate", "Whether a sweep was mapped, or why it was dropped.");
+  py::class_<MapperStep>(m, "MapperStep", "The result of Mapper.next() for one sweep.")
       .def_property_readonly(
           "fate", [](const MapperStep& s) { return to_member(s.fate); },
-          "SweepFate: MAPPED; NO_POSE, none came or ever can; CROWDED, too many waited; LATE, newer ones are mapped.")
+          "SweepFate: MAPPED; NO_POSE: no pose came, or none can come any more; CROWDED: too many sweeps waited;\n"
+          "LATE: newer sweeps were mapped already.")
       .def_readonly("reason", &MapperStep::reason, "A sentence, unless the sweep was mapped.")
       .def_readonly("map_cleared", &MapperStep::map_cleared, "Why the map was cleared before, or None.")
       .def_property_readonly(
-          "stamp", [](const MapperStep& s) { return base::to_seconds(s.stamp_ns); }, "Of the sweep [s].")
+          "stamp", [](const MapperStep& s) { return base::to_seconds(s.stamp_ns); }, "Stamp of the sweep [s].")
       .def_property_readonly(
           "T_O_B", [](const MapperStep& s) { return pose_array(s.T_O_B); },
-          "(4, 4) float64, halfway through the sweep; of a sweep that was mapped.")
-      .def_readonly("handovers", &MapperStep::handovers, "List of Handover: closed before the map was cleared.");
+          "(4, 4) float64 pose halfway through the sweep, if the sweep was mapped.")
+      .def_readonly("handovers", &MapperStep::handovers,
+                    "List of the Handover of submaps that were closed because the map had to be cleared.");
 }
 
 }  // namespace
@@ -106,9 +108,9 @@ void bind_mapper(py::module_& m) {
   bind_mapper_config(m);
   bind_step(m);
   py::class_<MountedMapper>(m, "Mapper",
-                            "The one mapping pipeline: filtered sweeps in, local map and handovers out; the local\n"
-                            "mapper node wraps the same. Frames: O origin of the poses, B body, L LiDAR. Not "
-                            "thread-safe.")
+                            "The mapping pipeline: filtered sweeps go in, the local map and handovers come out. The\n"
+                            "local mapper node wraps the same class. Frames: O origin of the poses, B body, L LiDAR. "
+                            "Not thread-safe.")
       .def(py::init([](const MapperConfig& config, const py::object& T_B_L) {
              const auto mount = T_B_L.is_none() ? geometry::Pose::Identity() : pose_of(T_B_L, "T_B_L");
              return std::make_unique<MountedMapper>(config, mount);
@@ -116,36 +118,37 @@ void bind_mapper(py::module_& m) {
            py::arg("config") = MapperConfig{}, py::arg("T_B_L") = py::none(),
            "T_B_L: (4, 4) float64, LiDAR on the body; None is the identity. Raises ConfigError.")
       .def("add_imu", &add_imu, py::arg("stamps"), py::arg("gyro"), py::arg("accel"),
-           "As LidarOdometry.add_imu(); used with MapperConfig.odometry only.")
+           "Adds IMU samples as LidarOdometry.add_imu() does; they are used only if MapperConfig.odometry is set.")
       .def(
           "add_pose",
           [](MountedMapper& self, base::StampNs stamp_ns, const py::array& T_O_B) {
             return self.mapper.add_pose(stamp_ns, pose_of(T_O_B, "T_O_B"));
           },
           py::arg("stamp_ns"), py::arg("T_O_B"),
-          "A pose of the body, from which those of sweeps are interpolated. False when it is late and refused.")
+          "Adds a pose of the body; the poses of sweeps are interpolated. Returns False if the pose is too late and "
+          "refused.")
       .def("add_sweep", &add_sweep, py::arg("sweep"), py::arg("T_O_B") = py::none(),
-           "Map a sweep as soon as its poses are known, and the sweeps before it.\n\n"
+           "Adds a sweep, and maps it and the sweeps before it as soon as their poses are known.\n\n"
            "T_O_B: (4, 4) float64, one pose for the whole sweep; None: from add_pose() or the mapper's odometry.\n"
            "Returns the list of Handover that are due, oldest first.")
       .def("queue_sweep", &queue_sweep, py::arg("sweep"), py::arg("T_O_B") = py::none(),
-           "The same in single steps: then next() while has_next(), each followed by close_due().")
+           "Adds a sweep without mapping it. Then call next() while has_next(), and close_due() after each next().")
       .def_property_readonly(
           "is_waiting_for_imu", [](const MountedMapper& self) { return self.mapper.is_waiting_for_imu(); },
-          "Whether a sweep waits for samples before its odometry is found.")
+          "True if a sweep waits for IMU samples before its pose is estimated.")
       .def("has_next", [](MountedMapper& self) { return self.mapper.has_next(); })
       .def(
           "next", [](MountedMapper& self) { return self.mapper.next(); },
-          "Map the oldest sweep, or tell why it is dropped. Returns MapperStep.")
+          "Maps the oldest sweep, or drops it with a reason. Returns a MapperStep.")
       .def(
           "close_due", [](MountedMapper& self) { return self.mapper.close_due(); },
-          "List of Handover that are due after the sweep that next() mapped.")
+          "Returns the list of Handover that are due after the sweep that next() mapped.")
       .def(
           "end_input", [](MountedMapper& self) { self.mapper.end_input(); },
-          "Nothing more will be added: sweeps that wait for poses are dropped by next().")
+          "Ends the input: next() drops the sweeps that still wait for poses.")
       .def(
           "finish", [](MountedMapper& self, const std::string& reason) { return self.mapper.finish(reason); },
-          py::arg("reason") = "shutdown", "Closes the open submap; list of at most one Handover.")
+          py::arg("reason") = "shutdown", "Closes the open submap. Returns a list of at most one Handover.")
       .def_property_readonly(
           "map", [](MountedMapper& self) -> occupancy::LocalMap& { return self.mapper.map(); },
           py::return_value_policy::reference_internal, "The LocalMap.");

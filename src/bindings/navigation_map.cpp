@@ -36,14 +36,14 @@ py::object apply(NavigationMap& map, std::uint32_t sequence, double resolution_m
 void bind_navigation_map(py::module_& m) {
   bind_config<NavigationMapConfig>(m, "NavigationMapConfig", "Limits and vehicle footprint of a NavigationMap.");
   bind_words<NavigationMap::Applied>(m, "Applied",
-                                     "What became of a grid update; NEEDS_SNAPSHOT: a message was missed, IGNORED: it\n"
-                                     "is older than what is here.");
+                                     "Whether a grid update was applied. NEEDS_SNAPSHOT: a message was missed;\n"
+                                     "IGNORED: the update is older than the grid.");
   const char* apply_doc =
-      "Apply a GridUpdate message. Returns Applied.\n\n"
+      "Applies a GridUpdate message. Returns Applied.\n\n"
       "block_indices, removed: (n, 3) or flat integers; states: bytes, 1024 per block. Raises ValueError.";
   py::class_<NavigationMap>(m, "NavigationMap",
-                            "What the planner flies by, frame O: local map, obstacles of the global map, altitude "
-                            "limits, vehicle. Thread-safe.")
+                            "The map that the planner uses, frame O: local map, obstacles of the global map, altitude "
+                            "limits and vehicle. Thread-safe.")
       .def(py::init<NavigationMapConfig>(), py::arg("config") = NavigationMapConfig{})
       .def("apply_local", &apply<&NavigationMap::apply_local>, py::arg("sequence"), py::arg("resolution_m"),
            py::arg("block_indices"), py::arg("states"), py::arg("removed"), py::arg("is_snapshot"), apply_doc)

@@ -78,20 +78,20 @@ py::tuple update_tuple(containers::GridUpdate&& update) {
 }
 
 void bind_statistics(py::module_& m) {
-  py::class_<TimedStatistics>(m, "InsertStatistics",
-                              "What one insertion into a LocalMap did; counts, and wall seconds.")
+  py::class_<TimedStatistics>(m, "InsertStatistics", "Counts and wall time [s] of one insertion into a LocalMap.")
       .def_readonly("points", &TimedStatistics::points)
       .def_readonly("rejected_not_finite", &TimedStatistics::rejected_not_finite)
-      .def_readonly("rejected_too_near", &TimedStatistics::rejected_too_near, "Zero range included.")
-      .def_readonly("far", &TimedStatistics::far, "Beyond max_range_m: no hit.")
+      .def_readonly("rejected_too_near", &TimedStatistics::rejected_too_near,
+                    "Points nearer than min_range_m, those of zero range included.")
+      .def_readonly("far", &TimedStatistics::far, "Points beyond max_range_m, which are no hits.")
       .def_readonly("outside_window", &TimedStatistics::outside_window)
       .def_readonly("cells_hit", &TimedStatistics::cells_hit)
       .def_readonly("cells_missed", &TimedStatistics::cells_missed)
-      .def_readonly("cells_occupied", &TimedStatistics::cells_occupied, "Became occupied.")
-      .def_readonly("cells_freed", &TimedStatistics::cells_freed, "Became free.")
+      .def_readonly("cells_occupied", &TimedStatistics::cells_occupied, "Voxels that became occupied.")
+      .def_readonly("cells_freed", &TimedStatistics::cells_freed, "Voxels that became free.")
       .def_readonly("cells_evicted", &TimedStatistics::cells_evicted)
       .def_readonly("blocks_evicted", &TimedStatistics::blocks_evicted)
-      .def_readonly("window_cleared", &TimedStatistics::window_cleared, "The pose jumped beyond the window.")
+      .def_readonly("window_cleared", &TimedStatistics::window_cleared, "True if the pose jumped beyond the window.")
       .def_readonly("seconds", &TimedStatistics::seconds);
 }
 
@@ -125,8 +125,9 @@ void bind_queries(py::class_<LocalMap>& cls) {
   cls.def("states", &states, py::arg("points_W"),
           "(n,) int8 states (0 unknown, 1 free, 2 occupied) at (n, 3) float32 points [m].")
       .def("corridor_state", &corridor_state, py::arg("a_W"), py::arg("b_W"), py::arg("radius_m"),
-           "Worst state (occupied, unknown, free in this order) of all voxels that a ball of radius_m touches between\n"
-           "two points, and the length [m] it gets before the first one that is not free (None if all are free).")
+           "Returns the worst state (occupied, unknown, free in this order) of all voxels that a ball of radius_m\n"
+           "touches between two points, and the length [m] before it touches the first one that is not free (None if\n"
+           "all are free).")
       .def(
           "box_state",
           [](const LocalMap& map, const py::object& low, const py::object& high) {
@@ -140,7 +141,7 @@ void bind_queries(py::class_<LocalMap>& cls) {
             return py::make_tuple(static_cast<int>(found.state), found.range_m);
           },
           py::arg("a_W"), py::arg("b_W"), py::arg("pass_unknown") = false,
-          "(state, range [m]) of the first voxel from a to b that is occupied, or unknown unless those may be passed.")
+          "Returns (state, range [m]) of the first voxel from a to b that is occupied, or unknown unless pass_unknown.")
       .def("nearest_occupied", &nearest_occupied, py::arg("point_W"), py::arg("max_distance_m"),
            "((x, y, z), distance [m]) of the nearest mean hit point of an occupied voxel, None if there is none.");
 }
@@ -158,8 +159,9 @@ void bind_outputs(py::class_<LocalMap>& cls) {
           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
       .def("hand_over", &LocalMap::hand_over,
-           "Returns content() and begins a new submap: hits that later content calls its own are counted from here.")
-      .def("take_evicted", &LocalMap::take_evicted, "What left the window since the last call, as MapContent.")
+           "Returns content() and begins a new submap: what is hit or crossed from here on counts as observed by it.")
+      .def("take_evicted", &LocalMap::take_evicted,
+           "Returns the content that left the window since the last call, as MapContent.")
       .def("to_bytes", [](const LocalMap& m) { return py::bytes(m.to_bytes()); })
       .def_static("from_bytes", &LocalMap::from_bytes, py::arg("bytes"))
       .def("save", &LocalMap::save, py::arg("path"))
@@ -170,14 +172,13 @@ void bind_outputs(py::class_<LocalMap>& cls) {
             return occupancy::load_octomap(path, config, vec3_of(center, "center_W"));
           },
           py::arg("path"), py::arg("config") = LocalMapConfig{}, py::arg("center_W") = py::make_tuple(0.0, 0.0, 0.0),
-          "A map of an OctoMap file (.ot, .bt) at the file's resolution, with its window around center_W.")
+          "Reads a map from an OctoMap file (.ot, .bt) at the file's resolution, with its window around center_W.")
       .def(
           "changes_since",
           [](const LocalMap& m, std::uint64_t sequence) { return update_tuple(m.changes_since(sequence)); },
           py::arg("sequence"),
-          "(is_snapshot, block indices (k, 3) int32, states (k, 1024) uint8, removed block indices (r, 3) int32) of "
-          "the\n"
-          "blocks that changed after the map had this sequence; 0 gives everything.")
+          "Returns (is_snapshot, block indices (k, 3) int32, states (k, 1024) uint8, removed block indices (r, 3)\n"
+          "int32) of the blocks that changed since the map had this sequence number; 0 gives all blocks.")
       .def_property_readonly("sequence", &LocalMap::sequence, "Rises with every call that may change the map.")
       .def(
           "save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
@@ -202,8 +203,8 @@ void bind_occupancy(py::module_& m) {
             return map.mark_free(vec3_of(center, "center_W"), radius_m);
           },
           py::arg("center_W"), py::arg("radius_m"),
-          "Makes voxels with centres inside a ball free unless they are occupied, because the vehicle is there.\n\n"
-          "Returns how many became free.")
+          "Marks voxels with centres inside a ball as free unless they are occupied, because the vehicle is there.\n\n"
+          "Returns the number of voxels that became free.")
       .def("clear", &LocalMap::clear)
       .def("set_thresholds", &LocalMap::set_thresholds, py::arg("free_threshold"), py::arg("occupied_threshold"))
       .def_property_readonly("config", &LocalMap::config)

@@ -77,13 +77,13 @@ void bind_results(py::module_& m) {
           "state", [](const Quality& q) { return to_member(q.state); }, "OdometryState.")
       .def_property_readonly(
           "reason_kind", [](const Quality& q) { return to_member(q.reason_kind); }, "OdometryReason.")
-      .def_readonly("reason", &Quality::reason, "Why it is not tracking, or what follows the prediction.")
+      .def_readonly("reason", &Quality::reason, "Why the odometry does not track, or in which directions it predicts.")
       .def_readonly("inlier_ratio", &Quality::inlier_ratio)
       .def_readonly("residual_m", &Quality::residual_m, "RMS of inlier residuals.")
       .def_readonly("iterations", &Quality::iterations)
       .def_readonly("num_points", &Quality::num_points)
       .def_readonly("eigenvalues", &Quality::eigenvalues,
-                    "Information per match: translation, then rotation, smallest first.")
+                    "Share of the information per direction: translation, then rotation, smallest first.")
       .def_readonly("is_degenerate", &Quality::is_degenerate);
   py::class_<OdometryResult>(m, "OdometryResult", "Pose and quality after one cloud.")
       .def_property_readonly(
@@ -97,7 +97,7 @@ void bind_results(py::module_& m) {
           "velocity_B", [](const OdometryResult& r) { return list_of(r.velocity_B); }, "m/s.")
       .def_property_readonly(
           "angular_velocity_B", [](const OdometryResult& r) { return list_of(r.angular_velocity_B); }, "rad/s.")
-      .def_readonly("is_new", &OdometryResult::is_new, "False when the cloud was refused.")
+      .def_readonly("is_new", &OdometryResult::is_new, "False if the cloud was refused.")
       .def_readonly("quality", &OdometryResult::quality);
 }
 
@@ -150,11 +150,12 @@ void bind_odometry(py::module_& m) {
            "up at rest;\n"
            "axes of B. Samples that are not finite or not newer are counted and dropped.")
       .def("add_cloud", &add_cloud, py::arg("stamp"), py::arg("points_L"), py::arg("point_times") = py::none(),
-           "Register one scan.\n\n"
+           "Registers one scan.\n\n"
            "stamp: start of the sweep [s]; points_L: (n, 3) or (n, 4) float32, frame L, not deskewed;\n"
            "point_times: (n,) seconds after the stamp. Returns OdometryResult; never raises for poor data.")
       .def(
-          "reset", [](LidarOdometry& self) { self.reset(); }, "Forget map, motion and IMU; start at the identity.")
+          "reset", [](LidarOdometry& self) { self.reset(); },
+          "Forgets map, motion and IMU samples, and starts again at the identity.")
       .def_property_readonly("counters", &counters_of)
       .def_property_readonly("num_map_points", &LidarOdometry::num_map_points)
       .def_property_readonly("memory_bytes", &LidarOdometry::memory_bytes);

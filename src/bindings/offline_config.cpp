@@ -8,7 +8,8 @@ namespace voxnav::bindings {
 
 void bind_offline_config(py::module_& m) {
   bind_words<pipeline::PoseSource>(m, "PoseSource", "Where the poses of a recording's scans come from.");
-  bind_config<pipeline::OfflineConfig>(m, "OfflineConfig", "What scripts/map_bag needs beside the parts it runs.");
+  bind_config<pipeline::OfflineConfig>(m, "OfflineConfig",
+                                       "Parameters of scripts/map_bag beside those of the parts that it runs.");
 }
 
 }  // namespace voxnav::bindings

@@ -12,7 +12,7 @@ namespace voxnav::bindings {
 
 void bind_pipeline(pybind11::module_& m) {
   bind_config<pipeline::TimeConfig>(m, "TimeConfig",
-                                    "Whether time is real, or a simulation's that waits for the node.");
+                                    "Whether time is real, or that of a simulation that waits for the node.");
   bind_navigation_map(m);
   bind_planning_manager(m);
   bind_offline_config(m);

@@ -47,19 +47,19 @@ void bind_plan_status(py::module_& m) {
   bind_words<PlanStatus>(m, "PlanStatus", "Why a search ended as it did.");
   m.def(
       "explain", [](const std::string& status) { return explain(from_word<PlanStatus>(status, "status")); },
-      py::arg("status"), "One sentence for a person about a PlanStatus.");
+      py::arg("status"), "Explains a PlanStatus in one sentence for people.");
 }
 
 void bind_plan_result(py::module_& m) {
-  py::class_<PlanResult>(m, "PlanResult", "What a search found, and why it ended.")
+  py::class_<PlanResult>(m, "PlanResult", "The path that a search found, and why it ended.")
       .def_property_readonly(
           "status", [](const PlanResult& r) { return to_member(r.status); },
-          "PlanStatus; only COMPLETE reaches the goal asked for.")
+          "PlanStatus; only COMPLETE reaches the requested goal.")
       .def_property_readonly("reason", [](const PlanResult& r) { return explain(r.status); })
       .def_property_readonly(
           "path", [](const PlanResult& r) { return points_array(r.path); },
           "(k, 3) float64 voxel centres from start to end, view's frame [m]; (0, 3) without a path.")
-      .def_readonly("partial", &PlanResult::is_partial, "There is a path, but not to the goal asked for.")
+      .def_readonly("partial", &PlanResult::is_partial, "True if there is a path, but not to the requested goal.")
       .def_readonly("cost_m", &PlanResult::cost_m, "Length weighted by the cost of the cells, before simplifying.")
       .def_readonly("remaining_m", &PlanResult::remaining_m, "Straight distance from the path's end to the goal.")
       .def_readonly("expansions", &PlanResult::expansions)
@@ -81,31 +81,31 @@ void bind_corridor(py::module_& m) {
       .def_readonly("length_m", &CorridorResult::length_m);
   m.def("check_corridor", &corridor, py::arg("view"), py::arg("points"), py::arg("radius_m"),
         py::arg("allow_unknown") = false,
-        "Check the space swept by a ball along a (n, 3) float64 polyline; only known free space passes.");
+        "Checks the space that a ball sweeps along an (n, 3) float64 polyline. Only known free space is safe.");
 }
 
 }  // namespace
 
 void bind_planning(py::module_& m) {
   py::class_<OccupancyView, std::shared_ptr<OccupancyView>>(m, "OccupancyView",
-                                                            "What a planner sees of a map; abstract.")
+                                                            "The interface through which planning reads a map.")
       .def_property_readonly("resolution_m", &OccupancyView::resolution_m)
       .def("states", &states_at, py::arg("points"),
            "(n,) int8 states (0 unknown, 1 free, 2 occupied) of (n, 3) float32 points in the view's frame [m].");
   bind_plan_status(m);
-  bind_words<UnknownPolicy>(m, "UnknownPolicy", "What a search may do in unknown cells.");
+  bind_words<UnknownPolicy>(m, "UnknownPolicy", "How a search treats unknown cells.");
   bind_plan_result(m);
   bind_corridor(m);
-  py::class_<StopFlag>(m, "StopFlag", "Ends a search from outside. Thread-safe.")
+  py::class_<StopFlag>(m, "StopFlag", "Cancels a search from another thread. Thread-safe.")
       .def(py::init<>())
       .def("raise_", &StopFlag::raise)
       .def_property_readonly("is_raised", &StopFlag::is_raised);
-  bind_config<AStarConfig>(m, "AStarConfig", "Rules and limits of a search.");
+  bind_config<AStarConfig>(m, "AStarConfig", "Costs and limits of a search.");
   py::class_<AStarPlanner>(m, "AStarPlanner",
                            "Bounded A* on voxels: 26 neighbours, no corner cutting, octile heuristic.")
       .def(py::init<AStarConfig>(), py::arg("config") = AStarConfig{})
       .def("plan", &plan, py::arg("view"), py::arg("start_W"), py::arg("goal_W"),
-           "Cheapest path between two points (three numbers each, view's frame [m]).\n\n"
+           "Searches the cheapest path between two points (three numbers each, view's frame [m]).\n\n"
            "view: OccupancyView, StateGrid, LocalMap or SubmapCollection; must not change during the call.\n"
            "Returns a PlanResult; never raises for a start or goal that cannot be used.");
 }

@@ -27,7 +27,7 @@ planning::DynamicsLimits limits_of(const LimitValues& v) {
 }
 
 void bind_trajectory(py::module_& m) {
-  py::class_<Trajectory>(m, "Trajectory", "Positions at equal time steps; at rest at the last one.")
+  py::class_<Trajectory>(m, "Trajectory", "Positions at equal time steps; the vehicle is at rest at the last one.")
       .def(py::init([](const py::array& points, double dt_s) { return Trajectory(points_of(points, "points"), dt_s); }),
            py::arg("points"), py::arg("dt_s"))
       .def_property_readonly("points", [](const Trajectory& t) { return points_array(t.points()); })
@@ -43,11 +43,11 @@ void bind_trajectory(py::module_& m) {
           "Arc length [m] of the point nearest to a position among those passed between two times [s].")
       .def(
           "points_from_arc", [](const Trajectory& t, double arc_m) { return points_array(t.points_from_arc(arc_m)); },
-          py::arg("arc_m"), "(k, 3) points after an arc length [m], beginning with the point at it.");
+          py::arg("arc_m"), "(k, 3) points from an arc length [m] on, beginning with the point at it.");
 }
 
 void bind_outcome(py::module_& m) {
-  py::class_<PlanOutcome>(m, "PlanOutcome", "A search and what may be flown of its path.")
+  py::class_<PlanOutcome>(m, "PlanOutcome", "The result of a search, and the part of its path that may be flown.")
       .def_readonly("plan", &PlanOutcome::plan)
       .def_property_readonly(
           "status", [](const PlanOutcome& o) { return to_member(o.plan.status); }, "A PlanStatus.")
@@ -76,16 +76,17 @@ SafePart safe_part_of(const PlanningManagerConfig& config, const std::shared_ptr
 }
 
 void bind_safe_part(py::module_& m) {
-  py::class_<SafePart>(m, "SafePart", "What of a trajectory may be flown.")
+  py::class_<SafePart>(m, "SafePart", "The part of a trajectory that may be flown.")
       .def_property_readonly(
           "trajectory",
           [](const SafePart& part) { return part.trajectory ? py::cast(*part.trajectory) : py::object(py::none()); },
-          "All of it, or as much as can be flown and stopped in; None when there is no room to stop.")
-      .def_readonly("problem", &SafePart::problem, "Where the corridor is not known free; '' when it is.");
-  m.def("safe_part", &safe_part_of, py::arg("config"), py::arg("view").none(false), py::arg("trajectory"),
-        py::arg("from_arc_m"), py::arg("radius_m"), py::arg("velocity_O"), py::arg("limits"),
-        "Check the corridor of a trajectory from an arc length on, and cut it to what can be flown and stopped in.\n\n"
-        "limits: speed and acceleration, each horizontal, ascending, descending, in pairs. Releases the GIL.");
+          "The trajectory, cut if needed to what can be flown and stopped in; None if there is no room to stop.")
+      .def_readonly("problem", &SafePart::problem, "Where the corridor is not known to be free; '' if it is free.");
+  m.def(
+      "safe_part", &safe_part_of, py::arg("config"), py::arg("view").none(false), py::arg("trajectory"),
+      py::arg("from_arc_m"), py::arg("radius_m"), py::arg("velocity_O"), py::arg("limits"),
+      "Checks the corridor of a trajectory from an arc length on, and cuts it to what can be flown and stopped in.\n\n"
+      "limits: speed and acceleration, each horizontal, ascending, descending, in pairs. Releases the GIL.");
 }
 
 }  // namespace
@@ -98,14 +99,14 @@ void bind_planning_manager(py::module_& m) {
   bind_config<FlightSearchConfig>(m, "FlightSearchConfig", "AStarConfig with the defaults of the planning manager.")
       .def(
           "search_config", [](const FlightSearchConfig& c) { return planning::AStarConfig(c); },
-          "The same as an AStarConfig.");
+          "Returns the values as an AStarConfig.");
   bind_trajectory(m);
   bind_outcome(m);
   bind_safe_part(m);
   m.def("run_plan_job", &plan_job, py::arg("planner"), py::arg("config"), py::arg("view"), py::arg("start_O"),
         py::arg("goal_O"), py::arg("limits"), py::arg("stop") = nullptr,
-        "Search a way and cut it to known free space and the longest flight time; releases the GIL.\n\n"
-        "stop: StopFlag that ends the search in the place of the planner's timeout_s.");
+        "Searches a path and cuts it to known free space and to the longest flight time. Releases the GIL.\n\n"
+        "stop: StopFlag that ends the search instead of the planner's timeout_s.");
 }
 
 }  // namespace voxnav::bindings

@@ -180,13 +180,13 @@ PYBIND11_MODULE(_simulation, m) {
   namespace vb = voxnav::bindings;
   m.doc() = "The simulator's world and LiDAR; use it through voxnav.simulation.";
   pybind11::module_::import("voxnav._core");  // registers ConfigError
-  vb::bind_config<voxnav_simulation::WorldConfig>(m, "WorldConfig", "What a generated world contains.");
-  vb::bind_words<voxnav_simulation::BeamModel>(m, "BeamModel", "Beam tables of data sheets, or one's own.");
+  vb::bind_config<voxnav_simulation::WorldConfig>(m, "WorldConfig", "The contents of a generated world.");
+  vb::bind_words<voxnav_simulation::BeamModel>(m, "BeamModel", "Beam tables of data sheets, or a custom one.");
   vb::bind_words<voxnav_simulation::DriverLayout>(m, "DriverLayout", "Layouts of the simulated clouds.");
   vb::bind_config<voxnav_simulation::LidarConfig>(m, "LidarConfig", "A spinning LiDAR and its errors.");
   vb::bind_config<voxnav_simulation::LidarSimulatorConfig>(m, "LidarSimulatorConfig", "The lidar_simulator node.");
   m.def("load_world_config", &voxnav_simulation::load_world_config, pybind11::arg("path"),
-        "A WorldConfig from a flat YAML file. Raises ConfigError listing every problem.");
+        "Reads a WorldConfig from a flat YAML file. Raises ConfigError that lists every problem.");
   vb::bind_scene(m);
   vb::bind_lidar(m);
   vb::bind_uav(m);

@@ -49,7 +49,7 @@ std::shared_ptr<geometry::DistanceField> registration_field_of(const std::shared
   return std::const_pointer_cast<geometry::DistanceField>(submap::registration_field(submap, history));
 }
 
-/// Surface points of occupied voxels, one row each; none at all means voxel centres.
+/// Reads the surface points of occupied voxels, one row each. With None every point is the centre of its voxel.
 class PointRows {
  public:
   PointRows(const py::object& points, double resolution_m) : resolution_m_(resolution_m) {
@@ -146,21 +146,21 @@ py::dict integrate(ProjectiveIntegrator& integrator, const py::array& points_L, 
 }
 
 void bind_configs(py::module_& m) {
-  bind_config<SubmapConfig>(m, "SubmapConfig", "How a submap is made and how its distances are kept.");
+  bind_config<SubmapConfig>(m, "SubmapConfig", "Parameters of a Submap and its distances.");
   bind_words<submap::RayRule>(m, "RayRule", "Which rays of a scan ProjectiveIntegrator casts.");
-  bind_words<submap::RangeWeighting>(m, "RangeWeighting", "How much a point counts, by its range.");
+  bind_words<submap::RangeWeighting>(m, "RangeWeighting", "How the weight of a point depends on its range.");
   bind_config<ProjectiveConfig>(m, "ProjectiveConfig", "Parameters of ProjectiveIntegrator.");
 }
 
 void bind_one_submap(py::module_& m) {
   py::class_<Submap, geometry::DistanceField, std::shared_ptr<Submap>>(
-      m, "Submap", "A finished piece of the map: distances, states, surface points. Frame S. Immutable.")
+      m, "Submap", "A finished submap with its states, surface points and distances, frame S. Immutable.")
       .def_static("from_local_map", &from_local_map, py::arg("m"), py::arg("T_W_S"), py::arg("config") = SubmapConfig{},
-                  "Everything a LocalMap knows, by occupancy filling.\n\n"
+                  "Makes a submap of the whole content of a LocalMap.\n\n"
                   "T_W_S: (4, 4) float64, submap frame in the frame of the map's poses.")
       .def_static("from_content", &from_content, py::arg("content"), py::arg("T_S_G"),
                   py::arg("config") = SubmapConfig{},
-                  "The same from MapContent; T_S_G: frame of the content in the submap frame.")
+                  "Makes a submap of a MapContent.\n\nT_S_G: (4, 4) float64, frame of the content in the submap frame.")
       .def(
           "states",
           [](const Submap& s, const py::array& points_S) {
@@ -180,17 +180,19 @@ void bind_one_submap(py::module_& m) {
           "(vertices (k, 3) float32 [m, frame S], triangles (t, 3) uint32), counter-clockwise seen from free space.")
       .def("registration_field", &registration_field_of, py::arg("stamps_s") = py::none(),
            py::arg("T_S_B") = py::none(),
-           "DistanceField to register this submap by: what it observed itself, without what its local map "
-           "remembered.\n\n"
-           "stamps_s (n,), T_S_B (n, 4, 4): its pose history. With it, things seen from one side lie where their\n"
-           "middles are, so that they do not go along; without, where they were hit.")
+           "Returns the DistanceField by which this submap is registered to others. It holds what the submap observed\n"
+           "itself, without what its local map remembered from before.\n\n"
+           "stamps_s: (n,), T_S_B: (n, 4, 4): pose history of the submap. If it is given, thin things such as trunks\n"
+           "are registered by their middles, else by the side from which they were hit (docs/alignment.md).")
       .def_property_readonly("memory_bytes", &Submap::memory_bytes)
       .def_property_readonly("T_S_G", [](const Submap& s) { return pose_array(s.T_S_G()); })
       .def(
-          "to_bytes", [](const Submap& s) { return py::bytes(s.to_bytes()); }, "Versioned, with checksum.")
+          "to_bytes", [](const Submap& s) { return py::bytes(s.to_bytes()); },
+          "Serialises the submap with a version and a checksum.")
       .def_static(
           "from_bytes", [](const py::bytes& b) { return Submap::from_bytes(b); }, py::arg("b"),
-          "Raises ValueError with the reason when the bytes are truncated or corrupt.");
+          "Reads a submap from the bytes of to_bytes(). Raises ValueError with the reason if they are truncated or "
+          "corrupt.");
 }
 
 void bind_integrator(py::module_& m) {
@@ -198,12 +200,12 @@ void bind_integrator(py::module_& m) {
                                    "Truncated signed distances along rays (TSDF), one submap at a time.")
       .def(py::init<const ProjectiveConfig&>(), py::arg("config") = ProjectiveConfig{})
       .def("integrate", &integrate, py::arg("points_L"), py::arg("T_S_L"),
-           "Fuse one scan. points_L: (n, 3) float32 [m, sensor frame]; T_S_L: (4, 4) float64.\n\n"
+           "Fuses one scan. points_L: (n, 3) float32 [m, sensor frame]; T_S_L: (4, 4) float64.\n\n"
            "Returns counts: points, dropped, rays, voxels, refused.")
       .def(
           "finish", [](ProjectiveIntegrator& i, const SubmapConfig& config) { return i.finish(config); },
           py::arg("config") = SubmapConfig{}, py::call_guard<py::gil_scoped_release>(),
-          "The Submap; the integrator is empty afterwards.");
+          "Returns the Submap and leaves the integrator empty.");
 }
 
 }  // namespace
@@ -234,14 +236,13 @@ void bind_submap(py::module_& m) {
         Submap::set_distance_cache_bytes(static_cast<std::size_t>(megabytes) << 20);
       },
       py::arg("megabytes"),
-      "How much of the distances around surfaces of all submaps of this process is kept at hand (24 MB at first). What "
-      "does not fit is derived again when it is asked for; answers stay the same.");
+      "Sets the size of the cache of distances that all submaps of this process share (24 MB by default). Distances "
+      "that do not fit are computed again when they are asked for; the answers stay the same.");
   m.def("map_content_from_array", &content_from_array, py::arg("states"), py::arg("origin"), py::arg("resolution_m"),
         py::arg("points") = py::none(), py::arg("hits") = 10,
-        "MapContent from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"
-        "origin: (3,) lowest corner of voxel [0, 0, 0], snapped to the grid; points: (k, 3) float32 surface points of "
-        "the\n"
-        "occupied voxels in array order, voxel centres if None.");
+        "Makes a MapContent from a dense (nx, ny, nz) int8 array (0 unknown, 1 free, 2 occupied).\n\n"
+        "origin: (3,) lowest corner of voxel [0, 0, 0], snapped to the grid; points: (k, 3) float32 surface points of\n"
+        "the occupied voxels in array order, voxel centres if None; hits: number of hits of each occupied voxel.");
 }
 
 }  // namespace voxnav::bindings

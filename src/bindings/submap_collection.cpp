@@ -166,13 +166,14 @@ py::dict update_obstacles(ObstacleMap& obstacles, SubmapCollection& collection) 
 
 void bind_obstacles(py::module_& m) {
   py::class_<ObstacleMap>(m, "ObstacleMap",
-                          "Voxels nearer to a surface than the safety distance, kept up to date block by block.")
+                          "Obstacles: voxels nearer to a surface than the safety distance, updated block by block.")
       .def(py::init<double, double>(), py::arg("resolution_m"), py::arg("safety_distance_m"))
       .def("update", &update_obstacles, py::arg("collection"),
-           "Follows what changed in the collection since the last call; use one collection only.\n\n"
+           "Updates the obstacles with the changes of the collection since the last call. Always pass the same one.\n\n"
            "Returns the changed blocks as keywords of StateGrid.apply_update().")
       .def(
-          "grid", [](const ObstacleMap& o) { return o.grid(); }, "A copy of the whole as StateGrid, frame W.")
+          "grid", [](const ObstacleMap& o) { return o.grid(); },
+          "Returns a copy of all obstacles as StateGrid, frame W.")
       .def_property_readonly("memory_bytes", &ObstacleMap::memory_bytes);
 }
 
@@ -184,11 +185,15 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
            "(k, 3) float32 centres of voxels nearer to a surface than the safety distance [m, frame W].")
       .def("obstacle_grid", &SubmapCollection::obstacles, py::arg("safety_distance_m"),
            py::call_guard<py::gil_scoped_release>(),
-           "The same as StateGrid: occupied = too near, free = known free beyond, else unknown.")
+           "Returns the obstacles as StateGrid: occupied = nearer to a surface than the safety distance, free = known "
+           "to\n"
+           "be free and farther, else unknown.")
       .def("distance", &distance, py::arg("points_W"), py::arg("max_distance_m") = 10.0,
-           "(n,) float64 distance [m] to the nearest believed surface point, NaN where W is unknown.")
+           "(n,) float64 distance [m] to the nearest believed surface point; max_distance_m beyond it, NaN where the\n"
+           "map is unknown.")
       .def("gradient", &gradient, py::arg("points_W"), py::arg("max_distance_m") = 10.0,
-           "(n, 3) float64 unit vectors away from that surface; zero beyond max_distance_m, NaN where W is unknown.")
+           "(n, 3) float64 unit vectors away from the nearest believed surface point; zero beyond max_distance_m, NaN\n"
+           "where the map is unknown.")
       .def(
           "cast_ray",
           [](SubmapCollection& c, const py::object& a_W, const py::object& b_W) {
@@ -198,10 +203,12 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
           py::arg("a_W"), py::arg("b_W"),
           "(state, distance [m]) of the first voxel from a to b that is not known to be free; (1, length) if all is.")
       .def("changes", &changes, py::arg("min_voxels") = 10,
-           "Things that came or went between submaps: dicts kind, center, box_min, box_max [m, W], voxels, submap.")
+           "Returns what appeared or disappeared between submaps: dicts with kind, center, box_min, box_max [m, frame "
+           "W],\n"
+           "voxels and submap.")
       .def("states", &states, py::arg("points_W"), "(n,) int8 states (0 unknown, 1 free, 2 occupied).")
       .def("mesh", &colored_mesh,
-           "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8) of what is believed, frame W.")
+           "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8) of the believed surface, frame W.")
       .def(
           "save_octomap",
           [](SubmapCollection& c, const std::string& path) {
@@ -209,10 +216,11 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
             submap::save_octomap(c.evidence(), path);
           },
           py::arg("path"), py::call_guard<py::gil_scoped_release>(),
-          "The merged map for OctoMap: .ot (log-odds) or .bt (binary).")
+          "Writes the merged map for OctoMap: .ot (log-odds) or .bt (binary).")
       .def("save_clouds", &submap::save_clouds, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
-           "Surface points of each submap as submap_<id>.ply (frame S), and poses.txt: id end_s x y z qx qy qz qw.")
-      .def("save_mesh", &save_mesh, py::arg("path"), "The mesh as binary PLY, coloured by height.");
+           "Writes the surface points of each submap as submap_<id>.ply (frame S), and poses.txt with lines of\n"
+           "id end_s x y z qx qy qz qw.")
+      .def("save_mesh", &save_mesh, py::arg("path"), "Writes the mesh as binary PLY, coloured by height.");
 }
 
 }  // namespace
@@ -220,17 +228,22 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
 void bind_submap_collection(py::module_& m) {
   bind_config<SubmapCollectionConfig>(m, "SubmapCollectionConfig", "Parameters of SubmapCollection.");
   py::class_<SubmapCollection> cls(m, "SubmapCollection",
-                                   "All submaps and what they say together; the newest well-observed evidence wins.");
+                                   "All submaps and the map merged from them, in which the newest evidence wins.");
   cls.def(py::init<const SubmapCollectionConfig&>(), py::arg("config") = SubmapCollectionConfig{})
       .def("add", &add, py::arg("id"), py::arg("submap"), py::arg("T_W_S"), py::arg("stamp") = 0.0,
            py::arg("bend") = py::none(),
-           "stamp: seconds; later ones are newer evidence, equal ones by id. An id that is there is replaced.\n\n"
-           "bend: (2, 4, 4), see submap_bends(); None leaves it rigid.")
+           "Adds a submap, or replaces the one with this id.\n\n"
+           "stamp: seconds; a later stamp makes newer evidence, and with equal stamps a higher id does. bend: (2, 4, "
+           "4),\n"
+           "see submap_bends(); with None the submap is rigid.")
       .def(
           "add_finished", [](SubmapCollection& c, const SubmapEntry& entry) { c.add(entry); }, py::arg("finished"),
-          "The same with a FinishedSubmap of a SubmapAssembler, placed at its T_O_S until set_poses().")
-      .def("set_poses", &set_poses, py::arg("poses"), py::arg("bends") = py::dict(),
-           "{id: T_W_S} and {id: (2, 4, 4)}, those without are rigid; raises KeyError on an unknown id.")
+          "Adds a FinishedSubmap of a SubmapAssembler, which lies at its T_O_S until set_poses() moves it.")
+      .def(
+          "set_poses", &set_poses, py::arg("poses"), py::arg("bends") = py::dict(),
+          "Moves submaps.\n\n"
+          "poses: {id: T_W_S}; bends: {id: (2, 4, 4)}, see submap_bends(); a submap in poses without a bend is rigid.\n"
+          "Raises KeyError for an unknown id.")
       .def("bends", &bends, "{id: (2, 4, 4)}, oldest first.")
       .def("poses", &poses, "{id: T_W_S}, oldest first.")
       .def(
@@ -249,19 +262,20 @@ void bind_submap_collection(py::module_& m) {
             return c.merge(other, pose_of(T_W_other, "T_W_other"));
           },
           py::arg("other"), py::arg("T_W_other"),
-          "Takes the submaps of another flight over; returns what was added to their ids.")
+          "Takes over the submaps of another flight; returns the number that was added to their ids.")
       .def_property_readonly("memory_bytes", &SubmapCollection::memory_bytes)
       .def_property_readonly("num_resident", &SubmapCollection::num_resident, "Submaps in memory; others are on disk.")
       .def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
-           "Versioned and checksummed; a crash during a save leaves the state before.")
+           "Saves the map with a version and checksums. A crash during a save leaves the map that was saved before.")
       .def_static(
           "load", &load, py::arg("dir"), py::arg("recover") = false, py::arg("config") = py::none(),
-          "Raises with the reason when something is broken; recover=True returns (what is intact, problems).\n\n"
+          "Loads a saved map. Raises with the reason if something is broken; with recover=True it returns (collection\n"
+          "of what is intact, list of problems) instead.\n\n"
           "config: SubmapCollectionConfig to use instead of the saved settings.")
       .def(
           "export", [](SubmapCollection& c, const std::string& dir) { submap::export_all(&c, dir); }, py::arg("dir"),
           py::call_guard<py::gil_scoped_release>(),
-          "mesh.ply, occupied.ply, map.ot, clouds of the submaps and their poses.");
+          "Writes mesh.ply, occupied.ply, map.ot, the clouds of the submaps and their poses.");
   bind_queries(cls);
   bind_obstacles(m);
 }

@@ -11,14 +11,14 @@ namespace {
 
 using containers::StateGrid;
 
-/// The view holds the Python object, so a grid made on the fly lives as long as its view.
+/// Keeps a reference to the Python object, so that a temporary grid lives as long as its view.
 std::shared_ptr<const planning::OccupancyView> view_of_grid(const py::object& grid, double grown_by_m) {
   const auto* raw = py::cast<const StateGrid*>(grid);
   const std::shared_ptr<const StateGrid> shared(raw, [grid](const StateGrid*) {});
   return std::make_shared<planning::StateGridView>(shared, grown_by_m);
 }
 
-/// A copy: planning needs every block anyway, and the map may go on changing.
+/// Copies the map: planning may read any block, and the map may change meanwhile.
 std::shared_ptr<const planning::OccupancyView> view_of_local_map(const occupancy::LocalMap& map) {
   auto grid = std::make_shared<StateGrid>(map.config().resolution_m);
   containers::apply(map.snapshot(), grid.get());
