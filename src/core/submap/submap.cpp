@@ -21,7 +21,7 @@ using geometry::Vec3;
 
 constexpr double kMaxIndex = 1073741824.0;  // 2^30: beyond it voxel indices would overflow
 
-constexpr double kFinest_m = 1e-3;  // as in files: beyond, distances in voxels are no numbers any more
+constexpr double kFinest_m = 1e-3;  // limit of the file format; below it distances in voxels may overflow
 constexpr double kCoarsest_m = 1e3;
 
 void check_frame(double resolution_m, const geometry::Pose& T_S_G) {

@@ -10,7 +10,7 @@ namespace {
 constexpr base::Format kFormat{0x4D535856, 1, "a voxnav submap"};  // "VXSM"
 constexpr double kFinest_m = 1e-3;
 constexpr double kCoarsest_m = 1e3;
-constexpr double kFarthest_m = 1e7;  // of the grid from the submap frame
+constexpr double kFarthest_m = 1e7;  // largest distance of the grid from the submap frame
 
 std::vector<geometry::SurfacePoint> get_surface_points(base::ByteReader* in) {
   std::vector<geometry::SurfacePoint> points(in->get_count(7 * sizeof(float)));
@@ -37,7 +37,7 @@ std::string Submap::to_bytes() const {
   out.put_raw(T_S_G_.matrix().data(), 16 * sizeof(double));
   const auto held = content();
   write_content(*held, &out);
-  // Surface points follow from the content, unless their normals were measured.
+  // Surface points for registration follow from the content, unless their normals were measured.
   static const std::vector<geometry::SurfacePoint> none;
   const std::vector<geometry::SurfacePoint>& points = held->measured() ? surface_points() : none;
   out.put<std::uint64_t>(points.size());

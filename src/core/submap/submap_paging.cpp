@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The content of a submap on disk, so that a long flight does not fill the memory.
+// Moving the content of a submap to disk and back, so that a long flight does not fill the memory.
 #include <fstream>
 #include <iterator>
 #include <stdexcept>

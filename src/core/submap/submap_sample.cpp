@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Distances at any point of a submap.
+// Distances and gradients at any point of a submap.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,9 @@ struct Trilinear {
   Vec3 gradient;
 };
 
-/// @param c values at the corners, x fastest  @param t position in the cell, 0 to 1
+/// Trilinear interpolation and its gradient.
+/// @param c  values at the corners of the cell, x fastest
+/// @param t  position in the cell, 0 to 1 on each axis
 Trilinear interpolate(const std::array<float, 8>& c, const Vec3& t) {
   const auto mix = [](double a, double b, double ratio) { return a + ratio * (b - a); };
   double x[4];   // interpolated along x, at (y, z) = 00 10 01 11
@@ -63,7 +65,7 @@ bool Submap::sample_in(const SubmapContent& content, const Vec3& p_S, double* di
   } else if (!sample_near(content, *position, p, &distance, &slope)) {
     sample_far(content, p, &distance, &slope);
     if (state == State::kOccupied) {
-      // Only where a projective submap ends right at the surface: the sign is that of the voxel.
+      // This happens only where a projective submap ends right at the surface: the sign is that of the voxel.
       distance = -distance;
       slope = -slope;
     }

@@ -9,7 +9,7 @@
 
 namespace voxnav::submap {
 
-/// geometry::index_of(p, 1.0) without the calls of std::floor; for coordinates within +-2^30.
+/// Computes geometry::index_of(p, 1.0) without calls of std::floor, for coordinates within +-2^30.
 inline geometry::Index3 floor_index(const geometry::Vec3& p) {
   const auto floor = [](double c) {
     const auto i = static_cast<std::int32_t>(c);
@@ -18,8 +18,9 @@ inline geometry::Index3 floor_index(const geometry::Vec3& p) {
   return {floor(p.x()), floor(p.y()), floor(p.z())};
 }
 
-/// The voxels of the segment from a to b (in voxel edges), in order. The number of steps is counted in integers, so
-/// rounding can neither overshoot nor loop. Source: Amanatides & Woo 1987.
+/// Walks over the voxels of the segment from a to b (in voxel edges), in order. The number of steps is counted in
+/// integers, so rounding can neither overshoot the end nor loop.
+/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2.
 class VoxelWalk {
  public:
   VoxelWalk(const geometry::Vec3& a, const geometry::Vec3& b) : index_(floor_index(a)) {
@@ -38,9 +39,9 @@ class VoxelWalk {
 
   const geometry::Index3& index() const { return index_; }
   int step(int axis) const { return step_[axis]; }
-  /// Where the present voxel was entered, as a share of the way from a to b.
+  /// Returns the position at which the present voxel was entered, from 0 at a to 1 at b.
   double entered() const { return entered_; }
-  /// Goes on to the next voxel. @return the axis along which it went, -1 at the end
+  /// Moves on to the next voxel. @return axis along which it moved, -1 at the end
   int advance() {
     const int k = next_[0] <= next_[1] ? (next_[0] <= next_[2] ? 0 : 2) : (next_[1] <= next_[2] ? 1 : 2);
     if (remaining_[k] == 0) return -1;

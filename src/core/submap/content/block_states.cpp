@@ -52,7 +52,7 @@ std::size_t BlockStates::memory_bytes() const {
   return bytes(blocks_, occupied_, numbers_, mixed_, observed_free_) + table_.memory_bytes();
 }
 
-/// Gives each block its first records, which are used in order, each once, and makes the table.
+/// Computes the fields `first_*` of all blocks, whose words lie one after another in the lists, and fills the table.
 void BlockStates::take(Parts parts) {
   blocks_ = std::move(parts.blocks);
   occupied_ = std::move(parts.occupied);

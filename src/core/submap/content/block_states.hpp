@@ -14,41 +14,42 @@
 
 namespace voxnav::submap {
 
-/// The states of one cell, a bit per voxel.
+/// The states of one cell, with one bit for each voxel.
 struct CellStates {
   std::uint64_t free = 0;
   std::uint64_t occupied = 0;
-  std::uint64_t observed_free = 0;  ///< those of the free ones that the submap looked at itself; others are remembered
+  std::uint64_t observed_free = 0;  ///< free voxels that the submap observed; the other free ones are remembered
 };
 
-/// The states of a submap's voxels by block, packed: a cell has a word of its occupied voxels if there are any, and one
-/// of its free voxels unless none or all of the others are free. Blocks are sorted by index and have positions from 0
-/// on; occupied voxels are numbered in the order of blocks, cells and voxels. Frozen, so thread-safe.
+/// The states of a submap's voxels, packed block by block. A cell has a word for its occupied voxels if there are any,
+/// and a word for its free voxels if some, but not all, of the other voxels are free. Blocks are sorted by index; the
+/// position of a block is its place in this order, from 0 on. Occupied voxels are numbered in the order of blocks,
+/// cells and voxels. Immutable, hence thread-safe.
 class BlockStates {
  public:
   struct Parts;
   BlockStates() = default;
-  /// From parts that fit each other (BlockStatesBuilder).
+  /// Takes parts that fit each other, as BlockStatesBuilder makes them.
   explicit BlockStates(Parts parts) { take(std::move(parts)); }
 
   std::size_t size() const { return blocks_.size(); }
   const geometry::Index3& index(std::size_t position) const { return blocks_[position].index; }
-  /// Position of a block, or nothing where everything is unknown.
+  /// Returns the position of a block, or nothing if the whole block is unknown.
   std::optional<std::size_t> find(const geometry::Index3& block) const {
     return table_.find(block, [this](std::uint32_t position) { return index(position); });
   }
 
   containers::State state(const geometry::Index3& voxel) const;
   containers::State state(std::size_t position, int offset) const;
-  /// States of a block as columns.
+  /// Returns the states of a block as columns.
   ColumnBlock columns(std::size_t position) const;
-  /// Free voxels of a block that the submap looked at itself.
+  /// Returns the free voxels of a block that the submap observed.
   Columns observed_free(std::size_t position) const;
-  /// Whether there is any.
+  /// Returns true if observed_free() of a block is not empty.
   bool has_observed_free(std::size_t position) const {
     return (blocks_[position].observed_cells | blocks_[position].partly_observed_cells) != 0;
   }
-  /// Whether all free space was looked at by the submap itself.
+  /// Returns true if the submap observed all of its free voxels.
   bool is_all_free_observed() const;
 
   bool has_occupied(std::size_t position) const { return blocks_[position].occupied_cells != 0; }
@@ -60,12 +61,13 @@ class BlockStates {
   /// Calls f(offset, number) for every occupied voxel of a block.
   template <class F>
   void for_each_occupied(std::size_t position, F&& f) const;
-  /// Calls f(cell, occupied, first) for every cell of a block with occupied voxels: a bit per voxel, and the number of
-  /// the first one.
+  /// Calls f(cell, occupied, first) for every cell of a block that has occupied voxels: `occupied` has a bit for each
+  /// voxel, and `first` is the number of the first occupied one.
   template <class F>
   void for_each_occupied_cell(std::size_t position, F&& f) const;
-  /// Calls f(cell, free, occupied, first) for every cell of a block that is not all unknown; `first` is the number of
-  /// the first occupied voxel if there is one. @param cells  bit per cell: those asked for
+  /// Calls f(cell, free, occupied, first) for every requested cell of a block that is not all unknown; `first` is the
+  /// number of the first occupied voxel if there is one.
+  /// @param cells  requested cells, one bit for each
   template <class F>
   void for_each_known_cell(std::size_t position, std::uint64_t cells, F&& f) const;
   /// Calls f(cell, states) for every cell of a block that is not all unknown.
@@ -74,28 +76,28 @@ class BlockStates {
 
   std::size_t memory_bytes() const;
 
-  /// The cells of one block: a bit for each.
+  /// The cells of one block, with one bit for each cell.
   struct Block {
     geometry::Index3 index;
-    // What belongs to the block follows from here on in the lists of all blocks.
-    std::uint32_t first_occupied = 0;         ///< words of cells with occupied voxels
-    std::uint32_t first_mixed = 0;            ///< words of cells with some free voxels
-    std::uint32_t first_partly_observed = 0;  ///< words of cells with some observed free voxels
-    std::uint32_t first_number = 0;           ///< occupied voxels
-    std::uint64_t occupied_cells = 0;         ///< have occupied voxels
-    std::uint64_t open_cells = 0;             ///< all voxels that are not occupied are free
-    std::uint64_t mixed_cells = 0;            ///< some of those that are not occupied are free
-    std::uint64_t observed_cells = 0;         ///< the submap looked at all free voxels itself
-    std::uint64_t partly_observed_cells = 0;  ///< it looked at some of the free voxels itself
+    // Where the words and the numbers of this block begin in the lists of all blocks.
+    std::uint32_t first_occupied = 0;         ///< first word of a cell with occupied voxels
+    std::uint32_t first_mixed = 0;            ///< first word of a cell with some free voxels
+    std::uint32_t first_partly_observed = 0;  ///< first word of a cell with some observed free voxels
+    std::uint32_t first_number = 0;           ///< number of the first occupied voxel
+    std::uint64_t occupied_cells = 0;         ///< cells with occupied voxels
+    std::uint64_t open_cells = 0;             ///< cells of which all voxels that are not occupied are free
+    std::uint64_t mixed_cells = 0;            ///< cells of which some of the voxels that are not occupied are free
+    std::uint64_t observed_cells = 0;         ///< cells of which the submap observed all free voxels
+    std::uint64_t partly_observed_cells = 0;  ///< cells of which the submap observed some of the free voxels
   };
-  /// What the codec writes and reads: the fields `first_*` and what follows from the words are made by assign().
+  /// The serialised parts. The fields `first_*`, and all else that follows from the words, are computed by assign().
   struct Parts {
     std::vector<Block> blocks;
     std::vector<std::uint64_t> occupied;       ///< word of each cell with occupied voxels
     std::vector<std::uint64_t> mixed;          ///< word of the free voxels of each cell with some
     std::vector<std::uint64_t> observed_free;  ///< word of the observed free voxels of each cell with some
   };
-  /// Null when the parts fit each other, else what is wrong with them.
+  /// Takes parts that were read. Returns null if they fit each other, else what is wrong with them.
   const char* assign(Parts parts);
   const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<std::uint64_t>& occupied_words() const { return occupied_; }
@@ -121,7 +123,7 @@ class BlockStates {
 
   std::vector<Block> blocks_;
   std::vector<std::uint64_t> occupied_;
-  std::vector<std::uint16_t> numbers_;  ///< of each of these cells: occupied voxels before it in its block
+  std::vector<std::uint16_t> numbers_;  ///< for each of these cells: number of occupied voxels before it in its block
   std::vector<std::uint64_t> mixed_;
   std::vector<std::uint64_t> observed_free_;
   std::size_t num_occupied_ = 0;

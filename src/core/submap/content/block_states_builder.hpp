@@ -7,14 +7,14 @@
 
 namespace voxnav::submap {
 
-/// Makes BlockStates, block by block in the order of their indices, cell by cell in order.
+/// Builds BlockStates. Blocks are added in the order of their indices, and the cells of a block in order.
 class BlockStatesBuilder {
  public:
   void reserve(std::size_t num_blocks) { parts_.blocks.reserve(num_blocks); }
   void begin_block(const geometry::Index3& index);
-  /// @param states  occupied and free voxels are different ones; of the observed ones those count that are free
+  /// @param states  no voxel may be both occupied and free; observed_free counts only for voxels that are free
   void add_cell(int cell, const CellStates& states);
-  /// The states. The builder is empty afterwards.
+  /// Returns the states and leaves the builder empty.
   BlockStates finish() { return BlockStates(std::exchange(parts_, {})); }
 
  private:

@@ -8,7 +8,7 @@
 namespace voxnav::submap {
 namespace {
 
-/// Moves bit i to bit 4 i: each step halves the groups and puts gaps between them.
+/// Spreads bits apart: bit i moves to bit 4 i. Each step halves the groups of bits and puts gaps between them.
 std::uint64_t spread_by_four(std::uint64_t bits) {
   bits = (bits | (bits << 24)) & 0x000000FF000000FFull;
   bits = (bits | (bits << 12)) & 0x000F000F000F000Full;
@@ -25,8 +25,8 @@ std::uint64_t columns_of_cell(std::uint64_t voxels) {
 
 }  // namespace
 
-/// Four columns side by side are one word of 64 bits, so that they are set at once: each of the four bits that a column
-/// of the cell has is moved to the 16 bits of its column, and up to where the cell begins in it.
+/// Sets four neighbouring columns at once, as they form one word of 64 bits: the four bits of each column of the cell
+/// are moved to the 16 bits of that column, and up to the height at which the cell begins.
 void add_cell_to_columns(int cell, std::uint64_t voxels, Columns* columns) {
   const int first = offset_of(cell, 0);
   std::uint16_t* column = &(*columns)[static_cast<std::size_t>(first & 255)];

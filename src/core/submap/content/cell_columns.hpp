@@ -7,7 +7,8 @@
 
 namespace voxnav::submap {
 
-/// Sets the voxels of a cell in the columns of its block. @param voxels  bit per voxel of the cell
+/// Sets the voxels of a cell in the columns of its block.
+/// @param voxels  one bit for each voxel of the cell
 void add_cell_to_columns(int cell, std::uint64_t voxels, Columns* columns);
 
 }  // namespace voxnav::submap

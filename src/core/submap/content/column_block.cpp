@@ -9,7 +9,7 @@ namespace {
 using geometry::kBlockSide;
 using Square = std::array<std::uint16_t, kBlockSide>;
 
-/// Mirrors a square of 16 x 16 bits in its diagonal. Source: Warren, Hacker's Delight, section 7-3.
+/// Transposes a matrix of 16 x 16 bits. Source: Warren, Hacker's Delight, section 7-3.
 void transpose(Square* square) {
   std::uint16_t mask = 0x00FF;
   for (int j = 8; j != 0; j >>= 1, mask = static_cast<std::uint16_t>(mask ^ (mask << j))) {
@@ -23,7 +23,7 @@ void transpose(Square* square) {
   }
 }
 
-/// Moves bit i to bit 2 i.
+/// Spreads bits apart: bit i moves to bit 2 i.
 std::uint32_t spread(std::uint32_t bits) {
   bits = (bits | (bits << 8)) & 0x00FF00FFu;
   bits = (bits | (bits << 4)) & 0x0F0F0F0Fu;
@@ -31,7 +31,7 @@ std::uint32_t spread(std::uint32_t bits) {
   return (bits | (bits << 1)) & 0x55555555u;
 }
 
-/// Moves bit 2 i to bit i; odd bits must be 0.
+/// Gathers bits: bit 2 i moves to bit i. Odd bits must be 0.
 std::uint16_t gather(std::uint32_t bits) {
   bits = (bits | (bits >> 1)) & 0x33333333u;
   bits = (bits | (bits >> 2)) & 0x0F0F0F0Fu;
@@ -39,7 +39,7 @@ std::uint16_t gather(std::uint32_t bits) {
   return static_cast<std::uint16_t>(bits | (bits >> 8));
 }
 
-/// Columns with the same y as rows along x, one per z.
+/// Converts the columns with the same y to rows along x, one for each z.
 Square rows_at(const Columns& columns, int y) {
   Square square;
   std::copy_n(columns.begin() + y * kBlockSide, kBlockSide, square.begin());

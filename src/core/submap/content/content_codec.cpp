@@ -105,7 +105,7 @@ void write_content(const SubmapContent& content, base::ByteWriter* out) {
 }
 
 SubmapContent read_content(base::ByteReader* in) {
-  constexpr double kWidestBand = 6.0;  // as SubmapConfig allows: the windows that distances are derived in hold no more
+  constexpr double kWidestBand = 6.0;  // limit of SubmapConfig; the halo of ContentWindow holds no wider band
   const auto band = in->get<double>();
   if (!(band >= 1.0 && band <= kWidestBand)) in->fail("has no usable distance band");
   BlockStates states = get_states(in);

@@ -11,8 +11,9 @@ namespace {
 using geometry::Index3;
 using geometry::kBlockSide;
 
-/// Cells of a block that reach into the window; its first voxel is at `first`. A layer of cells along x has every
-/// fourth bit of the 64, one along y four in a row of every 16, and one along z 16 in a row.
+/// Returns the cells of a block that reach into the window; the first voxel of the block is at `first`. Of the 64 bits,
+/// a layer of cells at one x has every fourth bit, a layer at one y four consecutive bits of every 16, and a layer at
+/// one z 16 consecutive bits.
 std::uint64_t cells_within(const Index3& first, int halo) {
   std::uint64_t out = ~std::uint64_t{0};
   const auto keep = [&](int c0, std::uint64_t layer, int step) {
@@ -75,7 +76,8 @@ void ContentWindow::count_rows() {
   points_.resize(count);
 }
 
-/// Cells come by rising x, so each voxel is the next one of its row.
+/// Adds the points of a cell to the rows of the window. Cells are taken by rising x, so each voxel is the next one of
+/// its row.
 void ContentWindow::take_points(const OccupiedCell& cell) {
   auto number = static_cast<std::uint32_t>(cell.first_number);
   kernels::for_each_bit(cell.voxels, [&](int bit) {
@@ -94,7 +96,7 @@ std::vector<std::uint16_t> voxels_of_block(const ContentWindow& window) {
   std::vector<std::uint16_t> out;
   for (std::size_t i = 0; i < window.places().size(); ++i) {
     const ContentWindow::Place& place = window.places()[i];
-    // Coordinates of the block itself need no more than their lower four bits.
+    // A voxel lies in the block itself if its coordinates fit into four bits.
     if (((place.x | place.y | place.z) & ~15) == 0) out.push_back(static_cast<std::uint16_t>(i));
   }
   return out;

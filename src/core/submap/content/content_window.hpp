@@ -10,25 +10,27 @@
 
 namespace voxnav::submap {
 
-/// One block of a submap and up to 8 voxels around it, as rows of bits along x: bit x + 8 of the row at (y, z).
-/// Coordinates are voxels from the first voxel of the block. Unpacked from the cells that lie there, so that what is
-/// computed for every voxel of a block (distances, normals) finds its neighbours without a search; made to be used
-/// again for the next block.
+/// One block of a submap with a halo of up to 8 voxels, as rows of bits along x: voxel x is bit x + 8 of the row at
+/// (y, z). Coordinates are voxels from the first voxel of the block. The window is unpacked once for each block, so
+/// that what is computed for every voxel of it (distances, normals) finds the neighbours without a search. Its memory
+/// is kept for the next block.
 class ContentWindow {
  public:
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
-  /// Where an occupied voxel lies.
+  /// Coordinates of an occupied voxel.
   using Place = kernels::WindowVoxel;
 
-  /// @param halo voxels around the block that are asked for, at most kHalo; more may be there (whole cells)
+  /// Unpacks a block and its surroundings.
+  /// @param halo  voxels that are needed around the block, at most kHalo; as whole cells are unpacked, there may be
+  /// more
   void load(const SubmapContent& content, const geometry::Index3& block, int halo);
 
-  /// The occupied voxels by z, y and x; what follows is numbered like them.
+  /// The occupied voxels, sorted by z, y and x. The index of a voxel in this list is its number in the window.
   const std::vector<Place>& places() const { return places_; }
-  /// Number of each among the surface points of the submap.
+  /// For each of them the number of its surface point in the submap.
   const std::vector<std::uint32_t>& numbers() const { return numbers_; }
-  /// Surface point of the i-th from the centre of its voxel, voxel edges.
+  /// Offset of the surface point of the i-th of them from the centre of its voxel, voxel edges.
   geometry::Vec3f mean(std::size_t i) const {
     const auto& mean = content_points_->believed(numbers_[i]).mean;
     return geometry::Vec3f(mean[0], mean[1], mean[2]) * (1.0f / 254.0f);
@@ -41,14 +43,15 @@ class ContentWindow {
     return (free(y, z) >> (x + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
   }
 
-  /// The same for kernels, with the surface points from the centre of the first voxel of the block; valid until load().
+  /// The window in the form that kernels read, with surface points relative to the centre of the first voxel of the
+  /// block. It is valid until the next load().
   kernels::VoxelWindow view() const {
     static_assert(kHalo == kernels::kWindowHalo && kSide == kernels::kWindowSide, "one window");
     return {free_.data(), occupied_.data(), first_of_row_.data(), points_.data(), points_.size()};
   }
 
  private:
-  /// A cell with occupied voxels, its first voxel, and the number of its first surface point.
+  /// A cell with occupied voxels: the coordinates of its first voxel, and the number of its first surface point.
   struct OccupiedCell {
     int x, y, z;
     std::uint64_t voxels;
@@ -65,14 +68,14 @@ class ContentWindow {
   Rows free_;
   Rows occupied_;
   std::array<std::uint16_t, kSide * kSide> first_of_row_;
-  std::array<std::uint16_t, kSide * kSide> next_of_row_;  ///< while they are taken
+  std::array<std::uint16_t, kSide * kSide> next_of_row_;  ///< next free entry of each row, while points are taken
   std::vector<OccupiedCell> cells_;
   std::vector<Place> places_;
   std::vector<std::uint32_t> numbers_;
   std::vector<kernels::WindowPoint> points_;
 };
 
-/// Those of the occupied voxels of a window that lie in the block itself.
+/// Returns the numbers of the occupied voxels of a window that lie in the block itself, without the halo.
 std::vector<std::uint16_t> voxels_of_block(const ContentWindow& window);
 
 }  // namespace voxnav::submap

@@ -33,8 +33,8 @@ OccupiedVoxel clamped(OccupiedVoxel voxel) {
 /// Numbers of the occupied voxels of a block, cell by cell and within a cell by rising offset. The voxels themselves
 /// stay where they are, because copies of them took half the time of filling a submap.
 struct VoxelsByCell {
-  std::array<std::uint16_t, kCellsOfBlock + 1>
-      first{};  ///< where the numbers of a cell begin; those of the next end them
+  /// Where the numbers of a cell begin; the next entry is where they end.
+  std::array<std::uint16_t, kCellsOfBlock + 1> first{};
   std::array<std::uint16_t, geometry::kBlockVolume> numbers;
 
   void sort(const ContentBlock& block);
@@ -57,7 +57,8 @@ void VoxelsByCell::sort(const ContentBlock& block) {
     numbers[next[static_cast<std::size_t>(cell_of(block.occupied[i].offset))]++] = static_cast<std::uint16_t>(i);
 }
 
-/// Bit per voxel of a cell, out of those of its block: four voxels along x lie side by side in both.
+/// Extracts the bits of the voxels of one cell from the bits of its block. Four voxels along x lie side by side in
+/// both.
 std::uint64_t bits_of_cell(const occupancy::VoxelBits& bits, int cell) {
   std::uint64_t out = 0;
   for (int row = 0; row < kVoxelsOfCell / kCellSide; ++row) {
@@ -67,8 +68,8 @@ std::uint64_t bits_of_cell(const occupancy::VoxelBits& bits, int cell) {
   return out;
 }
 
-/// The states of a cell. Four voxels along x, with two bits each, are a byte of the block and of the cell, so that they
-/// move byte by byte: rows of a cell follow each other by 4 bytes along y and by 64 along z.
+/// Extracts the states of one cell from those of its block. Four voxels along x with two bits each form a byte both in
+/// the block and in the cell, so bytes are copied: the rows of a cell are 4 bytes apart along y and 64 along z.
 CellStates states_of_cell(const ContentBlock& block, int cell) {
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(block.states.words.data());
   const std::uint8_t* from = bytes + offset_of(cell, 0) / 4;
@@ -109,7 +110,7 @@ void add_distances(const std::vector<float>& distances, MeasuredDistances* out) 
   }
 }
 
-/// Positions of the blocks that hold anything, by rising index.
+/// Returns the positions of the blocks that are not empty, by rising index.
 std::vector<std::size_t> order_of(const std::vector<ContentBlock>& blocks) {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < blocks.size(); ++i) {

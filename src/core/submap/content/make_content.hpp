@@ -6,10 +6,10 @@
 
 namespace voxnav::submap {
 
-/// What a local map handed over, packed. O(blocks + occupied voxels).
-/// @param distances  signed distance of every voxel of each block [voxel edges], x fastest, NaN where none was
-/// measured, as rays left them; nothing where distances follow from the surface points
-/// @throws std::invalid_argument when occupied voxels and states of the content do not match
+/// Packs the content that a local map handed over. O(blocks + occupied voxels).
+/// @param distances  distances that were measured by rays: signed distance of every voxel of each block [voxel edges],
+///                   x fastest, NaN where none was measured; empty if distances follow from the surface points
+/// @throws std::invalid_argument if occupied voxels and states of the content do not match
 SubmapContent make_content(const occupancy::MapContent& content, double band,
                            const std::vector<std::vector<float>>* distances = nullptr);
 

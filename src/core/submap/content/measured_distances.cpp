@@ -24,7 +24,7 @@ void MeasuredDistances::add_cell(int cell, const Cell& distances) {
 std::int8_t MeasuredDistances::code_of(float distance) const {
   if (!(distance <= band_)) return kNone;
   const double code = std::max(-1.0, distance / band_) * 127.0;
-  return static_cast<std::int8_t>(static_cast<int>(code + 128.5) - 128);  // rounded without a call
+  return static_cast<std::int8_t>(static_cast<int>(code + 128.5) - 128);  // rounds without a function call
 }
 
 void MeasuredDistances::finish() {

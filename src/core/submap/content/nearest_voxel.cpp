@@ -9,7 +9,8 @@ namespace {
 using geometry::Index3;
 using geometry::Vec3;
 
-/// Squared distance from p to the cube of `side` voxels that starts at `lower`; nearest point of it on request.
+/// Returns the squared distance from p to the cube of `side` voxels that starts at `lower`, and its nearest point if
+/// asked for.
 double squared_to_cube(const Vec3& p, const Index3& lower, double side, Vec3* nearest = nullptr) {
   const Vec3 low(lower.x, lower.y, lower.z);
   const Vec3 on_cube = p.cwiseMax(low).cwiseMin(low + Vec3::Constant(side));
@@ -21,7 +22,7 @@ double squared_to_block(const Vec3& p, const Index3& block) {
   return squared_to_cube(p, geometry::voxel_at(block, 0), geometry::kBlockSide);
 }
 
-/// One search: what lies farther than the best so far is passed over, first blocks, then cells, then voxels.
+/// One branch-and-bound search: blocks, then cells, then voxels that lie farther than the best so far are skipped.
 class Search {
  public:
   Search(const SubmapContent& content, const Vec3& p, double limit, NearestTarget target)
@@ -56,8 +57,8 @@ class Search {
   NearestVoxel best_;
 };
 
-/// Calls f(step) for every step to a block of the shell around a block: those at most `shell` away on each axis, and
-/// exactly so on one.
+/// Calls f(step) for every block of the shell with radius `shell` around a block: the blocks whose largest offset on
+/// any axis is `shell`.
 template <class F>
 void for_each_of_shell(int shell, F&& f) {
   for (int z = -shell; z <= shell; ++z) {
@@ -78,10 +79,10 @@ std::optional<NearestVoxel> find_nearest(const SubmapContent& content, const Vec
   const Index3 center = geometry::index_of(p, geometry::kBlockSide);
   const int last_shell = static_cast<int>(max_distance / geometry::kBlockSide) + 1;
   for (int shell = 0; shell <= last_shell; ++shell) {
-    // Nothing of this shell of blocks is nearer than the blocks between.
+    // Every block of this shell is at least `reach` away from p, the width of the blocks in between.
     const double reach = (shell - 1) * static_cast<double>(geometry::kBlockSide);
     if (shell > 1 && reach * reach >= search.best().squared) break;
-    // Where more places would be visited than there are blocks, these are looked through instead.
+    // If the shell has more places than the submap has blocks, the list of blocks is searched instead.
     if (24.0 * shell * shell > static_cast<double>(states.size())) {
       for (std::size_t i = 0; i < states.size(); ++i) search.look_into(i);
       break;

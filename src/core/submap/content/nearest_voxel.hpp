@@ -8,15 +8,16 @@
 
 namespace voxnav::submap {
 
-/// What distance is measured to: the surface point in an occupied voxel, or the voxel as a cube.
+/// What distances are measured to: the surface point in an occupied voxel, or the voxel as a cube.
 enum class NearestTarget : std::uint8_t { kSurfacePoint, kVoxelCube };
 
 struct NearestVoxel {
-  geometry::Vec3 point;  ///< the nearest point of it
+  geometry::Vec3 point;  ///< nearest point of the voxel
   double squared = 0.0;  ///< distance to that point
 };
 
-/// The occupied voxel nearest to p within `max_distance`, exact; voxel edges. O(blocks within reach).
+/// Returns the occupied voxel nearest to p within `max_distance`, exactly. Lengths are voxel edges. O(blocks within
+/// reach).
 std::optional<NearestVoxel> find_nearest(const SubmapContent& content, const geometry::Vec3& p, double max_distance,
                                          NearestTarget target);
 

@@ -10,23 +10,23 @@
 
 namespace voxnav::submap {
 
-/// What a finished submap is made of: the states of its voxels, the surface points of the occupied ones, and the
-/// distances near surfaces if they were measured by rays; others follow from the surface points, so that keeping them
-/// would only cost memory. Lengths are in voxel edges, frame G (the grid of the submap). Frozen, so thread-safe.
+/// The content of a finished submap: the states of its voxels, the surface points of the occupied ones, and the
+/// distances near surfaces if they were measured by rays. Other distances follow from the surface points and are not
+/// stored. Lengths are in voxel edges, frame G (the grid of the submap). Immutable, hence thread-safe.
 class SubmapContent {
  public:
   SubmapContent() = default;
-  /// @param band  distances from surfaces up to here are derived or kept
+  /// @param band  distance from surfaces up to which distances are derived or kept, voxel edges
   SubmapContent(BlockStates states, VoxelPoints points, std::optional<MeasuredDistances> measured, double band)
       : states_(std::move(states)), points_(std::move(points)), measured_(std::move(measured)), band_(band) {}
 
   const BlockStates& states() const { return states_; }
   const VoxelPoints& points() const { return points_; }
-  /// Null unless distances were measured.
+  /// The measured distances, or null if there are none.
   const MeasuredDistances* measured() const { return measured_ ? &*measured_ : nullptr; }
   double band() const { return band_; }
 
-  /// Calls f(voxel, number) for the occupied voxels of a block: occupancy::OccupiedVoxel, and its number.
+  /// Calls f(voxel, number) for the occupied voxels of a block, with the occupancy::OccupiedVoxel and its number.
   template <class F>
   void for_each_voxel(std::size_t position, F&& f) const {
     if (!states_.has_occupied(position)) return;
@@ -48,11 +48,11 @@ class SubmapContent {
     }
   }
 
-  /// Whether the submap observed anything of a block itself.
+  /// Returns true if the submap observed anything in a block.
   bool is_observed(std::size_t position) const;
-  /// Whether it holds anything that was only remembered from before the submap.
+  /// Returns true if the submap holds anything that it did not observe but remembers from before it began.
   bool has_memory() const { return !points_.all_observed() || !states_.is_all_free_observed(); }
-  /// The same with other surface points. Distances that were measured before no longer hold, so there may be none.
+  /// Returns this content with other surface points. Measured distances would not fit them, so there may be none.
   void move_points(std::vector<occupancy::VoxelPoint> points) { points_.move_to(std::move(points)); }
   std::size_t memory_bytes() const;
 
@@ -63,14 +63,15 @@ class SubmapContent {
   double band_ = 3.0;
 };
 
-/// A surface point in voxel edges.
+/// Returns the position of a surface point in voxel edges.
 inline geometry::Vec3 surface_point(const geometry::Index3& voxel, const occupancy::VoxelPoint& point) {
   return {voxel.x + 0.5 + point.mean[0] / 254.0, voxel.y + 0.5 + point.mean[1] / 254.0,
           voxel.z + 0.5 + point.mean[2] / 254.0};
 }
 
-/// Only what the submap observed itself: voxels it merely remembered are unknown, the others hold the point of its own
-/// hits. Free space stays as it is. Nothing is measured in it. O(size).
+/// Returns the content reduced to the surface that the submap observed: occupied voxels that it merely remembers become
+/// unknown, the others hold the point of its own hits. Free voxels stay as they are. The result has no measured
+/// distances. O(size).
 SubmapContent observed_content(const SubmapContent& content);
 
 }  // namespace voxnav::submap

@@ -9,10 +9,11 @@ namespace {
 using geometry::Index3;
 using geometry::kBlockSide;
 
-/// Of 26. A line has two, where it changes its row up to four; a plane has eight, its edge five, its corner three.
+/// Highest number of occupied voxels among the 26 neighbours of a thin one. A voxel of a line has two, up to four where
+/// the line changes its row; a voxel of a plane has eight, at its edge five, at its corner three.
 constexpr int kMostNeighbors = 4;
 
-/// The occupied voxels of a submap as columns, unpacked block by block.
+/// The occupied voxels of a submap as columns, unpacked block by block when they are first asked for.
 class Occupied {
  public:
   explicit Occupied(const BlockStates& states) : states_(states), blocks_(states.size()) {}
@@ -20,7 +21,7 @@ class Occupied {
   bool is_thin(const Index3& voxel) {
     const Index3 low = voxel - Index3{1, 1, 1};
     const bool is_inside = ((voxel.x + 1) & 15) > 1 && ((voxel.y + 1) & 15) > 1 && ((voxel.z + 1) & 15) > 1;
-    int count = -1;  // itself
+    int count = -1;  // does not count the voxel itself
     const Columns* here = is_inside ? columns_of(geometry::block_of(voxel)) : nullptr;
     for (int i = 0; i < 9 && count <= kMostNeighbors; ++i) {
       const Index3 at = low + Index3{i % 3, i / 3, 0};

@@ -7,8 +7,8 @@
 
 namespace voxnav::submap {
 
-/// For every occupied voxel, by its number, whether it has so few occupied voxels around it that no surface can go
-/// through it: wires, poles, thin trunks, single voxels. O(occupied voxels).
+/// Returns for every occupied voxel, by its number, whether it is thin: it has so few occupied voxels around it that no
+/// surface can go through it, as with wires, poles, thin trunks and single voxels. O(occupied voxels).
 std::vector<bool> find_thin(const BlockStates& states);
 
 }  // namespace voxnav::submap

@@ -11,9 +11,9 @@
 namespace voxnav::submap {
 
 /// The surface points of the occupied voxels of a submap, numbered in the order of its blocks, cells and voxels
-/// (BlockStates). Each is one occupancy::OccupiedVoxel: what is believed, and what the submap observed itself. Kept
-/// packed: of a point that was only remembered four bytes, of one that the submap observed five, and four more where
-/// its observation alone gives another point than all hits together. Frozen once finish() was called.
+/// (BlockStates). Each is an occupancy::OccupiedVoxel, with the believed and the observed point. They are packed: a
+/// point that is only remembered takes four bytes, an observed one five, and four more if the hits during the submap
+/// alone give another point than all hits together. Immutable once finish() was called.
 class VoxelPoints {
  public:
   void reserve(std::size_t count) { believed_.reserve(count); }
@@ -22,47 +22,49 @@ class VoxelPoints {
 
   std::size_t size() const { return believed_.size(); }
   std::size_t num_observed() const { return times_.size(); }
-  /// Observed ones before a number, which may be the end.
+  /// Returns how many points before a number, which may be the end, were observed.
   std::size_t num_observed_before(std::size_t number) const { return is_observed_.rank(number); }
   bool is_observed(std::size_t number) const { return is_observed_.test(number); }
   const occupancy::VoxelPoint& believed(std::size_t number) const { return believed_[number]; }
-  /// Whether every point is exactly what the submap observed itself.
+  /// Returns true if every point was observed and its believed point is the observed one.
   bool all_observed() const { return times_.size() == believed_.size() && observed_.empty(); }
-  /// When the submap observed a point, as a share of its time from beginning to end; one half unless it observed all.
+  /// Returns the phase at which the submap observed a point: 0 at its beginning, 1 at its end; one half unless it
+  /// observed all points.
   float phase_of(std::size_t number) const {
     const bool is_known = times_.size() == believed_.size();
     return is_known ? static_cast<float>(times_[number]) / 255.0f : 0.5f;
   }
-  /// Other points for the same voxels; only where all_observed(). @param points  one per number
+  /// Replaces the points by others in the same voxels. Precondition: all_observed().
+  /// @param points  one for each number
   void move_to(std::vector<occupancy::VoxelPoint> points);
 
-  /// Reads points one after another, which needs no search for what belongs to each.
+  /// Reads points one after another, which saves the rank queries that random access needs.
   class Reader {
    public:
-    /// @param number  of the first one
+    /// @param number  number of the first point to read
     Reader(const VoxelPoints& points, std::size_t number)
         : points_(points),
           number_(number),
           observed_(points.is_observed_.rank(number)),
           differing_(points.differs_.rank(observed_)) {}
-    /// Everything but the offset, which the points do not know.
+    /// Reads the next point. The offset of its voxel is not set, since it is stored in BlockStates.
     void next(occupancy::OccupiedVoxel* out);
 
    private:
     const VoxelPoints& points_;
     std::size_t number_;
-    std::size_t observed_;   ///< number of the next one among those that were observed
-    std::size_t differing_;  ///< and among those of which the observation differs
+    std::size_t observed_;   ///< number of the next observed point among all observed ones
+    std::size_t differing_;  ///< number of the next point whose observation differs, among all such points
   };
 
-  /// What the codec writes and reads.
+  /// The serialised parts.
   struct Parts {
     std::vector<occupancy::VoxelPoint> believed;
     std::vector<std::uint8_t> times;
     std::vector<occupancy::VoxelPoint> observed;
     std::vector<std::uint64_t> observed_words, differing_words;
   };
-  /// @return false when the parts do not fit each other
+  /// Takes parts that were read. @return false if they do not fit each other
   bool assign(Parts parts);
   const std::vector<occupancy::VoxelPoint>& all_believed() const { return believed_; }
   const std::vector<std::uint8_t>& times() const { return times_; }
@@ -73,10 +75,10 @@ class VoxelPoints {
 
  private:
   std::vector<occupancy::VoxelPoint> believed_;
-  RankedBits is_observed_;                       ///< for each of them
-  std::vector<std::uint8_t> times_;              ///< of the observed ones, 0 to 255 from the submap's begin to its end
-  RankedBits differs_;                           ///< for each of the observed ones: the observation is another point
-  std::vector<occupancy::VoxelPoint> observed_;  ///< of those that differ
+  RankedBits is_observed_;                       ///< whether each point was observed
+  std::vector<std::uint8_t> times_;              ///< times of the observed ones, from 0 (submap's begin) to 255 (end)
+  RankedBits differs_;                           ///< whether the observation of each observed one is another point
+  std::vector<occupancy::VoxelPoint> observed_;  ///< observations of those that differ
 };
 
 }  // namespace voxnav::submap

@@ -11,7 +11,7 @@ namespace {
 using geometry::Index3;
 using geometry::kBlockSide;
 
-/// Derives one block; keeps its memory for the next one.
+/// Derives the distances of one block at a time, and keeps its working memory for the next block.
 class Deriver {
  public:
   std::shared_ptr<const DistanceBlock> derive(const SubmapContent& content, const Index3& block) {

@@ -10,8 +10,8 @@
 
 namespace voxnav::submap {
 
-/// Signed distances at the voxel centres of one block and one voxel around it, so that every point of the block can be
-/// interpolated from this alone.
+/// Signed distances at the voxel centres of one block and of a border of one voxel around it, so that every point of
+/// the block can be interpolated from this alone.
 class DistanceBlock {
  public:
   static constexpr int kSide = kernels::kTableSide;
@@ -19,18 +19,19 @@ class DistanceBlock {
 
   explicit DistanceBlock(double band) : scale_(static_cast<float>(band / 32767.0)) { codes_.fill(kNone); }
 
-  /// Distances at the 2^3 voxels from (x, y, z) on, x fastest, voxel edges; from -1 to 15. @return false when one of
-  /// them has none
+  /// Reads the distances [voxel edges] at the 2^3 voxels from (x, y, z) on, x fastest; coordinates are from -1 to 15.
+  /// @return false if one of the voxels has none
   bool corners(int x, int y, int z, std::array<float, 8>* values) const;
-  /// @param distance voxel edges, between -band and band
+  /// @param distance  voxel edges, between -band and band
   void set(int x, int y, int z, float distance);
-  /// Takes the distances of the free voxels within `band` of a surface point. @param room  that is used on the way
+  /// Computes the distances of the free voxels within `band` of a surface point.
+  /// @param room  working memory
   void measure_free(const kernels::VoxelWindow& window, float band, kernels::SquaredDistances* room) {
     kernels::measure_free(window, band, scale_, room, codes_.data());
   }
   bool is_empty() const;
 
-  mutable std::atomic<bool> was_used{false};  ///< since the cache last went round
+  mutable std::atomic<bool> was_used{false};  ///< whether the block was used since the cache last passed over it
 
  private:
   static std::size_t at(int x, int y, int z) {

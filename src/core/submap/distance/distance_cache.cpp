@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kDefaultLimit = 24u << 20;
 
-/// The blocks at hand of all submaps, oldest first. Source: the clock algorithm, Corbato 1968.
+/// The cached blocks of all submaps, oldest first, evicted by the clock algorithm.
+/// Source: Corbato, A Paging Experiment with the Multics System, MIT Project MAC report 1968 (clock algorithm).
 class EvictionClock {
  public:
   static EvictionClock& instance() {
@@ -22,7 +23,7 @@ class EvictionClock {
   void add(const std::shared_ptr<DistanceCache::Slots>& slots, std::size_t position) {
     const std::lock_guard<std::mutex> lock(mutex_);
     entries_.push_back({slots, position});
-    // Every block may be spared once per round; then the oldest has to go.
+    // A block that was used is spared once in each round; after that the oldest one is evicted.
     for (std::size_t spared = 0; entries_.size() > limit_ / sizeof(DistanceBlock) + 1;) {
       Entry entry = std::move(entries_.front());
       entries_.pop_front();
@@ -78,7 +79,7 @@ std::shared_ptr<const DistanceBlock> DistanceCache::get(const SubmapContent& con
   const bool is_counted = block != nullptr;
   if (!block) block = nothing;
   std::shared_ptr<const DistanceBlock> expected;
-  // Another thread may have been faster with the same result.
+  // Another thread may have derived the same block meanwhile; its result is the same.
   if (std::atomic_compare_exchange_strong(&(*slots_)[position], &expected, block) && is_counted)
     EvictionClock::instance().add(slots_, position);
   return block;

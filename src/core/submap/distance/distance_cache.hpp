@@ -10,25 +10,25 @@
 
 namespace voxnav::submap {
 
-/// Distance blocks of one submap that are at hand. All caches of a process share one limit; beyond it blocks that were
-/// not used since the last round go first, whichever submap they belong to. Thread-safe; what is returned does not
-/// depend on what is cached.
+/// The cached distance blocks of one submap. All caches of a process share one limit; beyond it, blocks that were not
+/// used since the last round of the clock algorithm are evicted first, whichever submap they belong to. Thread-safe;
+/// the distances that are returned do not depend on what is cached.
 class DistanceCache {
  public:
   explicit DistanceCache(std::size_t num_blocks);
 
-  /// Distances of the block at a position of the content, derived if they are not at hand. Never null.
+  /// Returns the distances of the block at a position of the content, derived if they are not cached. Never null.
   std::shared_ptr<const DistanceBlock> get(const SubmapContent& content, std::size_t position) const;
 
   static void set_limit_bytes(std::size_t bytes);
   static std::size_t limit_bytes();
-  /// Of all caches of the process.
+  /// The limit and the use of all caches of the process together.
   static std::size_t used_bytes();
 
   using Slots = std::vector<std::shared_ptr<const DistanceBlock>>;
 
  private:
-  std::shared_ptr<Slots> slots_;  ///< accessed atomically; null = not at hand
+  std::shared_ptr<Slots> slots_;  ///< one for each block, accessed atomically; null = not cached
 };
 
 }  // namespace voxnav::submap

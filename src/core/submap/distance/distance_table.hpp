@@ -9,8 +9,8 @@
 #include "submap/content/content_window.hpp"
 #include "submap/distance/distance_block.hpp"
 
-/// The table that distances of a block are derived in: its voxels and one around it on every side, coordinates from -1
-/// to 16, x fastest, as in DistanceBlock.
+/// The table in which the distances of a block are derived: its voxels and a border of one voxel on every side,
+/// coordinates from -1 to 16, x fastest, as in DistanceBlock.
 namespace voxnav::submap {
 
 using kernels::kTableSide;
@@ -21,14 +21,14 @@ inline std::size_t table_at(int x, int y, int z) {
   return static_cast<std::size_t>((x + 1) + kTableSide * ((y + 1) + kTableSide * (z + 1)));
 }
 
-/// The bits of a row of a window that lie in the table.
+/// The bits of a row of a ContentWindow that lie in the table.
 constexpr std::uint32_t kTableBits = ((1u << kTableSide) - 1) << (ContentWindow::kHalo - 1);
 
-/// Farther than anything.
+/// A distance greater than all others.
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// Whether an occupied voxel of a window lies in the table, or at most so far beside it on each axis. Moved to begin at
-/// 0, a coordinate is in range where it is small as an unsigned number, which is one comparison.
+/// Returns true if an occupied voxel of a window lies in the table, or at most `beside` voxels outside it on each axis.
+/// The range of a coordinate is shifted to begin at 0, so that as an unsigned number it needs only one comparison.
 inline bool is_in_table(const ContentWindow::Place& place, int beside = 0) {
   const auto is_in = [&](int c) {
     return static_cast<unsigned>(c + 1 + beside) < kTableSide + 2u * static_cast<unsigned>(beside);

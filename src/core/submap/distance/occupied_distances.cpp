@@ -10,14 +10,15 @@ namespace {
 using containers::State;
 using Place = ContentWindow::Place;
 
-/// Voxels along x from bit `bit` to the nearest set one of a row, which has one.
+/// Returns the number of voxels along x from bit `bit` to the nearest set bit of a row that is not empty.
 int steps_along_x(std::uint32_t row, int bit) {
   constexpr int kNone = 1 << 10;
   const std::uint32_t ahead = row >> bit, behind = row & ((2u << bit) - 1u);
   return std::min(ahead != 0 ? __builtin_ctz(ahead) : kNone, behind != 0 ? bit - (31 - __builtin_clz(behind)) : kNone);
 }
 
-/// Squared distance in voxels to the nearest free voxel at most `reach` away on each axis; 0 when there is none.
+/// Returns the squared distance in voxels to the nearest free voxel at most `reach` away on each axis; 0 if there is
+/// none.
 int squared_to_free(const ContentWindow& window, const Place& place, int reach) {
   const int bit = place.x + ContentWindow::kHalo;
   const std::uint32_t in_reach = (2u << (bit + reach)) - (1u << (bit - reach));
@@ -51,8 +52,8 @@ float occupied_distance(const ContentWindow& window, std::size_t i, const Surfac
   if (normal.quality >= kPlanarQuality) return to_plane;
   if (normal.quality >= kOneSidedQuality) return std::min(to_plane, kDeepest);
   int squared = squared_to_free(window, place, 1);
-  // What lies in unknown space may be one voxel thick; only what is enclosed is known to be deep inside. Beyond the
-  // band nothing would change.
+  // A surface in unknown space may be one voxel thick; only a voxel that is enclosed by occupied ones is known to lie
+  // deep inside. Free voxels beyond the band need not be searched, as distances end there.
   if (squared == 0) {
     const int farthest = static_cast<int>(std::ceil(band + 0.5f)) - 1;
     squared = is_enclosed(window, place) ? squared_to_free(window, place, farthest) : 1;

@@ -6,11 +6,12 @@
 
 namespace voxnav::submap {
 
-/// Signed distance at the centre of an occupied voxel of a window: to the plane through its surface point where it was
-/// seen from one side, so that the zero level runs through the points that were measured. Others get minus the distance
-/// to the nearest free centre but half an edge, or minus half an edge where nothing free is beside the voxel and it is
-/// not enclosed by occupied ones.
-/// @param i  the voxel by its number in the window  @param band  what lies deeper gets minus this
+/// Returns the signed distance at the centre of an occupied voxel of a window. If the surface was seen from one side,
+/// it is the distance to the plane through the surface point, so that the zero level runs through the measured points.
+/// Otherwise it is half an edge minus the distance to the nearest free centre; it is minus half an edge if no free
+/// voxel is beside the voxel and it is not enclosed by occupied ones.
+/// @param i     number of the voxel in the window
+/// @param band  the distance is -band where it would be lower
 float occupied_distance(const ContentWindow& window, std::size_t i, const SurfaceNormal& normal, float band);
 
 }  // namespace voxnav::submap

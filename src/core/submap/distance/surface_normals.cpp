@@ -20,7 +20,8 @@ State state_behind(const ContentWindow& window, const ContentWindow::Place& plac
   return window.state(place.x + step(normal.x()), place.y + step(normal.y()), place.z + step(normal.z()));
 }
 
-/// @param normal  of the plane through the surface points around, either way up; zero where there is none
+/// Chooses the side and the quality of a normal.
+/// @param normal  normal of the plane through the surface points around, of either sign; zero if there is no plane
 SurfaceNormal judge(const ContentWindow& window, std::size_t voxel, const Neighborhood& around, Vec3f normal) {
   const ContentWindow::Place& place = window.places()[voxel];
   constexpr float kOneSided = 0.25f;
@@ -30,19 +31,19 @@ SurfaceNormal judge(const ContentWindow& window, std::size_t voxel, const Neighb
   const float strength = length / num_free;
   const Vec3f free_side = strength > 1e-3f ? Vec3f(towards_free * (1.f / length)) : Vec3f(Vec3f::Zero());
   if (strength > kOneSided) {
-    const float along = normal.dot(free_side);  // zero where there is no plane
+    const float along = normal.dot(free_side);  // zero if there is no plane
     if (along < 0.f) normal = -normal;
     if (std::abs(along) > 0.3f && state_behind(window, place, normal) != State::kFree) return {normal, kPlanarQuality};
     const bool is_solid = state_behind(window, place, free_side) == State::kOccupied;
     return {free_side, is_solid ? kSolidQuality : kOneSidedQuality};
   }
-  // Seen from all around: the hits lie on the side they came from.
+  // A thin thing was seen from all around. Its mean hit lies towards the side from which most hits came.
   const Vec3f mean = window.mean(voxel);
   const bool has_side = mean.norm() > 0.05f;
   return {has_side ? Vec3f(mean.normalized()) : !free_side.isZero() ? free_side : Vec3f(Vec3f::UnitX()), kThinQuality};
 }
 
-/// Whether anything around a voxel is free.
+/// Returns true if any of the 26 neighbours of a voxel is free.
 bool is_seen(const ContentWindow& window, const ContentWindow::Place& place) {
   std::uint32_t free = 0;
   for (int row = 0; row < 9; ++row) free |= window.free(place.y + row % 3 - 1, place.z + row / 3 - 1);
@@ -56,7 +57,7 @@ void estimate_normals(const ContentWindow& window, const std::vector<std::uint16
   normals->assign(voxels.size(), {});
   kernels::NeighborhoodBatch batch;
   kernels::PlaneNormals planes;
-  std::array<std::uint16_t, kernels::kTogether> which, place;  // of the batch: voxels, and where their normals go
+  std::array<std::uint16_t, kernels::kTogether> which, place;  // voxels of the batch, and the indices of their normals
   std::array<kernels::WindowVoxel, kernels::kTogether> asked;
   std::size_t count = 0;
   const auto finish = [&] {

@@ -8,24 +8,25 @@
 
 namespace voxnav::submap {
 
-/// The surface in a voxel.
+/// The orientation of the surface in an occupied voxel.
 struct SurfaceNormal {
   geometry::Vec3f normal{0.f, 0.f, 0.f};  ///< unit, towards free space, frame G; zero where nothing free is near
   float quality = 0.f;                    ///< confidence in the normal, 0 to 1
 };
 
-/// Normals of some of the occupied voxels of a window, by number, from the 26 voxels around each; these must lie in the
-/// window. Where the surface points lie in a plane it is theirs, else it points to the free voxels.
+/// Estimates the normals of some of the occupied voxels of a window, given by their numbers, from the 26 neighbours of
+/// each, which must lie in the window. If the surface points lie in a plane, the normal is that of the plane, else it
+/// points to the free voxels.
 void estimate_normals(const ContentWindow& window, const std::vector<std::uint16_t>& voxels,
                       std::vector<SurfaceNormal>* normals);
 
-/// Quality of voxels in planes that were seen from one side; their distances are taken from the plane.
+/// Quality of normals of voxels in planes that were seen from one side; their distances are those to the plane.
 constexpr float kPlanarQuality = 0.9f;
-/// Quality of voxels with free space on one side but no clear plane.
+/// Quality of normals of voxels with free space on one side but without a clear plane.
 constexpr float kOneSidedQuality = 0.5f;
-/// The same in front of another occupied voxel: the skin of a solid.
+/// Quality of such normals if another occupied voxel lies behind: the skin of a solid.
 constexpr float kSolidQuality = 0.4f;
-/// Quality of voxels with free space all around: thin things.
+/// Quality of normals of voxels with free space all around: thin things.
 constexpr float kThinQuality = 0.3f;
 
 }  // namespace voxnav::submap

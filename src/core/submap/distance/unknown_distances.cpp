@@ -13,7 +13,7 @@ constexpr int kHalo = ContentWindow::kHalo;
 
 float signed_distance(const Vec3f& from_voxel, const Vec3f& mean, const SurfaceNormal& normal, float squared) {
   if (normal.quality >= kSolidQuality) return normal.normal.dot(from_voxel - mean);
-  // Behind what has no free side at all is more of it; around a thin thing is outside.
+  // Behind a voxel without a free side lies more of the same solid, while all around a thin thing is outside.
   const float distance = std::sqrt(squared);
   return normal.quality == 0.f ? -distance : distance;
 }
@@ -40,7 +40,7 @@ void UnknownDistances::find(const ContentWindow& window) {
   }
 }
 
-/// Offers an occupied voxel to the unknown ones of the nine rows of three voxels around it.
+/// Updates the unknown voxels among the 26 neighbours of an occupied voxel, if its surface point is nearer to them.
 void UnknownDistances::spread(const ContentWindow::Place& place, const Vec3f& mean, std::uint16_t number) {
   const std::uint32_t beside = 7u << (place.x - 1 + kHalo);
   for (int row = 0; row < 9; ++row) {

@@ -13,7 +13,7 @@
 namespace voxnav::submap {
 namespace {
 
-constexpr float kLogOdds = 2.0f;  // clamping bounds of OctoMap are a little wider
+constexpr float kLogOdds = 2.0f;  // a little within the clamping bounds of OctoMap
 
 void add_block(const geometry::Index3& index, const ColumnBlock& states, double resolution_m, octomap::OcTree* tree) {
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {

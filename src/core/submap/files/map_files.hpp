@@ -4,17 +4,18 @@
 #include <set>
 #include <string>
 
-/// Files of a saved map. All functions throw std::runtime_error naming the file and the reason.
+/// File operations for saved maps. All functions throw std::runtime_error naming the file and the reason.
 namespace voxnav::submap {
 
 std::string read_file(const std::string& path);
-/// Replaces a file. It holds the old bytes or the new ones, never a part, whatever interrupts the call.
+/// Replaces a file atomically: whatever interrupts the call, the file holds all of the old bytes or all of the new
+/// ones.
 void write_atomically(const std::string& path, const std::string& bytes);
-/// Makes a directory with all directories above it.
+/// Creates a directory and all its parent directories.
 void make_directory(const std::string& path);
-/// Makes sure that what was renamed in a directory stays renamed after a loss of power.
+/// Syncs a directory, so that files renamed in it stay renamed after a loss of power.
 void sync_directory(const std::string& directory);
-/// Removes the submap files that are not in the list.
+/// Removes the submap files of a directory that are not in the list.
 void remove_unlisted(const std::string& directory, const std::set<std::string>& listed);
 
 }  // namespace voxnav::submap

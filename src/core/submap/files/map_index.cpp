@@ -12,7 +12,7 @@ namespace voxnav::submap {
 namespace {
 
 constexpr base::Format kFormat{0x43535856, 1, "a voxnav map index"};  // "VXSC"
-constexpr std::uint32_t kRecord = 0x43455256;  // "VREC", before every record, so that reading finds its way again
+constexpr std::uint32_t kRecord = 0x43455256;  // "VREC", before every record, by which a reader finds the next one
 
 void put_pose(const geometry::Pose& pose, base::ByteWriter* out) {
   out->put_raw(pose.matrix().data(), 16 * sizeof(double));
@@ -85,7 +85,7 @@ SubmapCollectionConfig get_settings(base::ByteReader* in, std::size_t* num_subma
   return config;
 }
 
-/// One record of either kind, told apart by their place: settings come first.
+/// Reads one record. The first record holds the settings, all others a submap each.
 void take_record(const std::string& bytes, bool is_first, const std::string& name, MapIndex* index) {
   base::ByteReader in(bytes, name);
   if (is_first) {
@@ -98,8 +98,8 @@ void take_record(const std::string& bytes, bool is_first, const std::string& nam
   if (in.remaining() != 0) in.fail("has a record of the wrong length");
 }
 
-/// Takes every record whose checksum fits; after a broken one it looks for the next mark.
-/// @param problem  null: the first broken record throws; else the reason of the first
+/// Reads every record whose checksum fits; after a broken record it searches for the next mark.
+/// @param problem  receives the reason of the first broken record; with null the first broken record throws
 void read_records(const std::string& bytes, const std::string& name, std::string* problem, MapIndex* index) {
   constexpr std::size_t kFirst = 2 * sizeof(std::uint32_t);
   const std::string mark(reinterpret_cast<const char*>(&kRecord), sizeof(kRecord));

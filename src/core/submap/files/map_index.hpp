@@ -9,17 +9,17 @@
 #include "base/bytes.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
-/// The index of a saved map (docs/map_format.md): its settings, and what is known of each submap but its content.
+/// The index of a saved map (docs/map_format.md): its settings, and for each submap all but its content.
 namespace voxnav::submap {
 
-/// What is intact of an index.
+/// The intact parts of an index.
 struct MapIndex {
   struct Listed {
     SubmapEntry entry;      ///< without its submap
-    std::uint32_t sum = 0;  ///< checksum of its file
+    std::uint32_t sum = 0;  ///< checksum of the submap's file
   };
   std::optional<SubmapCollectionConfig> settings;
-  std::size_t num_submaps = 0;  ///< as the settings say
+  std::size_t num_submaps = 0;  ///< number of submaps according to the settings
   std::vector<Listed> listed;
 };
 
@@ -35,12 +35,14 @@ class MapIndexWriter {
   base::ByteWriter out_;
 };
 
-/// @param problems  null: anything broken throws; else it is described there, and what is intact is returned
-/// @throws std::invalid_argument naming the file and what is wrong; always when nothing is intact or when the index is
-/// of another version
+/// @param problems  receives a description of each broken part, and the intact parts are returned; with null anything
+///                  broken throws
+/// @throws std::invalid_argument naming the file and what is wrong; in any case if nothing is intact or if the index is
+///                               of another version
 MapIndex read_map_index(const std::string& path, std::vector<std::string>* problems);
 
-/// A submap file is named after its content, so that a save never overwrites one that the index in place refers to.
+/// Returns the name of a submap file. It contains the checksum of the content, so that a save never overwrites a file
+/// to which the present index refers.
 std::string submap_file_name(std::uint32_t id, std::uint32_t sum);
 
 }  // namespace voxnav::submap

@@ -8,13 +8,13 @@
 
 namespace voxnav::submap {
 
-/// A set of blocks as a bitmap of the box around them: adding a block costs a few instructions, and the blocks come out
-/// in order without sorting.
+/// A set of blocks as a bitmap of their bounding box: adding a block costs a few instructions, and the blocks are
+/// listed in order without sorting.
 class BlockMarks {
  public:
   /// @param low, high  corners of the box of blocks that may be marked, both inclusive
   BlockMarks(const geometry::Index3& low, const geometry::Index3& high);
-  /// Whether a box is small enough to be kept like this.
+  /// Returns true if a box is small enough for a bitmap.
   static bool fits(const geometry::Index3& low, const geometry::Index3& high);
 
   void mark(const geometry::Index3& block) {
@@ -39,10 +39,10 @@ class BlockMarks {
   std::vector<std::uint64_t> words_;
 };
 
-/// Sorts blocks and drops repeats; without comparisons where they lie close enough together.
+/// Sorts blocks and removes duplicates; by a bitmap instead of comparisons if they lie close enough together.
 void sort_unique(std::vector<geometry::Index3>* blocks);
 
-/// Adds all blocks up to `reach` blocks away on every axis; sorted, without repeats.
+/// Returns the blocks and all their neighbours up to `reach` blocks away on every axis; sorted, without duplicates.
 void dilate(int reach, std::vector<geometry::Index3>* blocks);
 
 }  // namespace voxnav::submap

@@ -73,7 +73,7 @@ std::optional<NearestSurface> EvidenceMap::nearest_surface(const Vec3& p_W, doub
   if (!((p_W.array().abs() / rules_.resolution_m) < 1073741824.0).all()) return std::nullopt;
   const double side_m = kBlockSide * rules_.resolution_m;
   const double limit = max_distance_m * max_distance_m;
-  NearestSurface best{Vec3::Zero(), limit};  // squared until the end
+  NearestSurface best{Vec3::Zero(), limit};  // distance_m holds the squared distance until the end
   const auto search = [&](const Index3& index) {
     const geometry::Aabb box = block_box(index, side_m);
     if ((p_W - p_W.cwiseMax(box.min).cwiseMin(box.max)).squaredNorm() >= best.distance_m) return;
@@ -85,7 +85,7 @@ std::optional<NearestSurface> EvidenceMap::nearest_surface(const Vec3& p_W, doub
       if (squared < best.distance_m) best = {point, squared};
     }
   };
-  // The block of the point first: what it holds rules most of the others out.
+  // The block of the point is searched first, since a point in it rules out most of the other blocks.
   search(geometry::index_of(p_W, side_m));
   const Index3 low = geometry::index_of(p_W - Vec3::Constant(max_distance_m), side_m);
   const Index3 high = geometry::index_of(p_W + Vec3::Constant(max_distance_m), side_m);

@@ -12,13 +12,13 @@ bool has(const Columns& columns, const SurfaceEvidence& evidence) {
   return ((columns[evidence.offset & 255u] >> (evidence.offset >> 8)) & 1) != 0;
 }
 
-/// Whether the voxel below that of a surface point is set, where both are in the block.
+/// Returns true if the voxel below that of a surface point is set; false if it lies in another block.
 bool has_below(const Columns& columns, const SurfaceEvidence& evidence) {
   const int z = evidence.offset >> 8;
   return z > 0 && ((columns[evidence.offset & 255u] >> (z - 1)) & 1) != 0;
 }
 
-/// The same of the voxel above.
+/// Returns true if the voxel above that of a surface point is set; false if it lies in another block.
 bool has_above(const Columns& columns, const SurfaceEvidence& evidence) {
   return (((columns[evidence.offset & 255u] >> 1) >> (evidence.offset >> 8)) & 1) != 0;
 }
@@ -27,7 +27,7 @@ void set(const SurfaceEvidence& evidence, Columns* columns) {
   (*columns)[evidence.offset & 255u] |= static_cast<std::uint16_t>(1u << (evidence.offset >> 8));
 }
 
-/// Surface points that were taken away, one per voxel.
+/// Adds to the list of removed surface points, which holds at most one point, the last one, for each voxel.
 class Removed {
  public:
   explicit Removed(std::vector<SurfaceEvidence>* points) : points_(points) {}
@@ -85,14 +85,15 @@ void EvidenceMerge::run() {
   }
   ColumnBlock& states = block_->states;
   if (!is_decided(states)) free_.add_to(&states.free);
-  // Under a surface point nothing is free, also not once a newer submap has taken the point away: that submap has to
-  // say so.
+  // The voxel of a surface point is never free. It does not become free again when a newer submap removes the point,
+  // unless that submap observed free space there.
   for (std::size_t i = 0; i < states.free.size(); ++i) states.free[i] &= ~states.occupied[i];
 }
 
-/// A doubt lasts until a submap has a surface there: a sparse sensor sees a voxel and the one below it at other times.
-/// Of points that are replaced anyway, only those are asked for that another one stands on.
-/// @return whether any is in doubt
+/// Casts doubt on older points in voxels that this submap observed as free. The doubt lasts until a submap has a
+/// surface there, because a sparse sensor observes a voxel and the one below it at different times. Points that this
+/// submap replaces are skipped, except below a voxel with another point, whose removal depends on them.
+/// @return true if any point is in doubt
 bool EvidenceMerge::doubt() {
   bool any_doubted = false;
   const double clearing = rules_.clearing_distance_m / rules_.resolution_m;
@@ -114,9 +115,11 @@ bool EvidenceMerge::doubt() {
   return any_doubted;
 }
 
-/// Removes those below which is free space too, or the ground that something stood on.
+/// Removes the points in doubt below which is free space as well, or a surface of this submap: the ground on which the
+/// thing stood.
 void EvidenceMerge::remove_doubted() {
-  // Of blocks below only the submap's own word counts: what is merged there may be of any age.
+  // If the voxel below lies in another block, only what this submap observed there counts: that block may be merged up
+  // to any submap at this time.
   Columns open = block_->states.free;
   for (const SurfaceEvidence& point : block_->points) {
     if (point.is_doubted) set(point, &open);
@@ -154,7 +157,7 @@ void EvidenceMerge::add_points(const PlacedPoints::Block& points) {
   for (std::size_t i = 0; i < seen_.size(); ++i) block_->states.occupied[i] |= seen_[i];
 }
 
-/// Whether a thin thing was looked at from near enough to be sure: beams miss thin things from afar.
+/// Returns true if a thin thing was observed from near enough to be sure that it is gone: from afar beams miss it.
 bool EvidenceMerge::is_near_enough(const SurfaceEvidence& evidence) const {
   if (!evidence.is_thin) return true;
   const auto range_m = submap_.range_to(point_in_W(around_.index(), evidence, rules_.resolution_m));

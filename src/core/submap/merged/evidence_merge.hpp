@@ -6,13 +6,14 @@
 
 namespace voxnav::submap {
 
-/// What a newer submap says of one block of W, added to what is believed of it. Its surface points replace the older
-/// ones of their voxels. Its free space removes other older ones, but only once it was seen at a voxel and below it:
-/// until then the point is in doubt, since a sparse sensor sees both at different times.
+/// Merges the evidence of a newer submap into one block of W. Its surface points replace the older ones of their
+/// voxels. Its free space removes other older points, but only once both the voxel of a point and the one below it were
+/// observed: until then the point is in doubt, since a sparse sensor observes the two at different times.
 class EvidenceMerge {
  public:
-  /// @param around  the points of the submap around the block  @param block  what is believed. No argument may end
-  /// before this does
+  /// All arguments must outlive this object.
+  /// @param around  points of the newer submap in the block and around it
+  /// @param block   evidence so far, which is updated
   EvidenceMerge(const EvidenceRules& rules, const PlacedSubmap& submap, const PlacedPoints::Around& around,
                 EvidenceBlock* block);
   /// O(surface points of the block + 16^2).
@@ -33,7 +34,7 @@ class EvidenceMerge {
   const Columns& seen_;  ///< voxels in which the submap has points
 };
 
-/// Whether every voxel of a block is known, so that more free space says nothing new.
+/// Returns true if every voxel of a block is known, so that more free space adds nothing.
 bool is_decided(const ColumnBlock& states);
 
 }  // namespace voxnav::submap

@@ -14,7 +14,8 @@ using geometry::Vec3;
 
 namespace {
 
-/// Boxes around the blocks of a submap: all blocks are turned alike, so that of the first one, moved.
+/// Computes the boxes around the blocks of a submap. All blocks are rotated alike, so each box is that of the first
+/// block, shifted.
 class PlacedBox {
  public:
   PlacedBox(const Pose& T_W_G, double side_G)

@@ -9,20 +9,21 @@
 
 namespace voxnav::submap {
 
-/// What of a submap counts: what it observed itself, or also what its local map remembered of submaps before it. The
-/// latter lies where odometry put it, which no correction of this submap's pose puts right.
+/// Which content of a submap is merged: only what it observed, or also what its local map remembered from before the
+/// submap. Remembered content lies where odometry put it, and correcting the pose of this submap does not correct it.
 enum class Knowledge { kObserved, kAll };
 
-/// Where a submap lies in W. What it observed itself is bent; memory has no time and stays where the middle is.
+/// The placement of a submap in W. Observed points are moved by the bend according to their time; remembered content
+/// has no time and moves with the pose, which is that of the submap's middle.
 struct Placement {
   geometry::Pose T_W_S = geometry::Pose::Identity();
   geometry::Bend bend = {};
 };
 
-/// Poses between which everything of the submap lies.
+/// Returns the poses between which all content of the submap is placed.
 std::vector<geometry::Pose> extremes(const Placement& placement);
 
-/// Blocks of W that the known part of a submap touches, what counts of it; sorted.
+/// Returns the blocks of W that the known content of a submap touches, as far as it is merged; sorted.
 std::vector<geometry::Index3> footprint(const Submap& submap, const Placement& placement, double resolution_m,
                                         Knowledge knowledge);
 

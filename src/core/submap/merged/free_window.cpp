@@ -13,9 +13,9 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
 
-// A window has its corner at the border of a block along x, so that rows of blocks are rows of it.
+// The corner of the window lies at the border of a block along x, so that rows of blocks are copied to its rows whole.
 std::array<Index3, 2> FreeWindow::place(const Eigen::Affine3d& T_G_W, const Index3& block_W) {
-  constexpr double kRounding = 1e-6;  // of the integers, by far
+  constexpr double kRounding = 1e-6;  // far above the rounding of the integers
   const Vec3 corner = T_G_W * Vec3(Vec3(block_W.x, block_W.y, block_W.z) * kBlockSide);
   const Vec3 side_x = T_G_W.linear().col(0) * kBlockSide;
   const Vec3 side_y = T_G_W.linear().col(1) * kBlockSide;
@@ -43,7 +43,7 @@ std::array<Index3, 2> FreeWindow::place(const Eigen::Affine3d& T_G_W, const Inde
 }
 
 void FreeWindow::take(const Index3& block_G, const Columns& free) {
-  const Index3 first = geometry::voxel_at(block_G, 0) - low_;  // in the window
+  const Index3 first = geometry::voxel_at(block_G, 0) - low_;  // relative to the window
   const int first_row = std::max(0, first.y);
   kernels::ColumnRows rows;
   rows.from = &free[static_cast<std::size_t>((first_row - first.y) * kBlockSide)];

@@ -11,23 +11,23 @@
 
 namespace voxnav::submap {
 
-/// Whether a submap knows the place of a surface point to be free, and that one voxel below it.
+/// Whether a submap holds the voxel of a surface point, and the voxel below it, for free.
 struct FreeAt {
   bool at_point;
   bool below;
 };
 
-/// The free voxels of a submap that one block of W, and the voxels below it, lie in, as columns side by side: what is
-/// asked for point after point then takes no look-ups. For submaps that are turned about the vertical only, with voxels
-/// as large as those of W. Places are computed in integers.
+/// The free voxels of a submap around one block of W (and one voxel below it), as columns side by side, so that queries
+/// for point after point need no look-ups of blocks. It serves submaps that are rotated about the vertical only and
+/// have voxels as large as those of W. Coordinates are computed in integers.
 class FreeWindow {
  public:
-  /// @param T_G_W  from voxel edges of W to voxel edges of the submap
-  /// @param free_of  gives the free voxels of a block of the submap, or null when there are none
+  /// @param T_G_W    transform from voxel edges of W to voxel edges of the submap
+  /// @param free_of  function that returns the free voxels of a block of the submap, or null if there are none
   template <class FreeOf>
   FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of);
 
-  /// Whether the voxels of the submap that hold a surface point and the place below it are free.
+  /// Returns whether the voxel of the submap that contains a surface point, and the voxel below it, are free.
   FreeAt at(const SurfaceEvidence& evidence) const {
     const Units3 p = units_of(evidence);
     const std::uint32_t z = voxel_at(origin_.z + (std::int64_t{p.z} << kUnitShift));
@@ -36,11 +36,11 @@ class FreeWindow {
         (z - 1);
     return {(both & 2u) != 0, (both & 1u) != 0};
   }
-  /// Sets the voxels of the block whose centres lie in free ones.
+  /// Sets the voxels of the block whose centres lie in free voxels of the submap.
   void add_to(Columns* free) const;
 
  private:
-  static constexpr int kBlocks = 3;  ///< a block that is turned touches no more of them along an axis
+  static constexpr int kBlocks = 3;  ///< a rotated block touches at most this many blocks along an axis
   static constexpr int kRows = 26;
   static constexpr int kRowLength = kBlocks * geometry::kBlockSide;
   // Fixed-point coordinates in units of the submap (kUnitShift).
@@ -54,7 +54,7 @@ class FreeWindow {
   std::uint32_t column(std::int64_t x, std::int64_t y) const {
     return columns_[voxel_at(y) * kRowLength + voxel_at(x)];
   }
-  /// @return lowest and highest voxel of the submap that is touched
+  /// Computes the coordinates of the block. @return lowest and highest voxel of the submap that the block touches
   std::array<geometry::Index3, 2> place(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W);
   void take(const geometry::Index3& block_G, const Columns& free);
 
@@ -62,10 +62,10 @@ class FreeWindow {
   static constexpr int kCenterShift = 25;
   using Center = kernels::TurnedBlock::Step;
 
-  Fixed3 origin_;             ///< corner of the block, from the lowest voxel of the window
-  Fixed2 along_x_, along_y_;  ///< a step of one unit of W
+  Fixed3 origin_;             ///< corner of the block, relative to the lowest voxel of the window
+  Fixed2 along_x_, along_y_;  ///< step of one unit of W along x and y
   Center center_;             ///< centre of the first voxel of the block
-  Center right_, back_;       ///< a step of one voxel of W along x and y
+  Center right_, back_;       ///< step of one voxel of W along x and y
   geometry::Index3 low_;      ///< lowest voxel of the window, which lies at the border of a block along x
   int num_rows_ = 0;
   std::array<std::uint32_t, kRows * kRowLength> columns_;

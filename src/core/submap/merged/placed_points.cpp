@@ -14,10 +14,10 @@ using geometry::kBlockSide;
 
 constexpr int kBlockUnits = kBlockSide * kUnitsPerEdge;
 
-/// The voxel of a coordinate, rounded down for negative ones too.
+/// Returns the voxel of a coordinate, rounded down also if it is negative.
 int voxel_of(int units) { return (units >= 0 ? units : units - (kUnitsPerEdge - 1)) / kUnitsPerEdge; }
 
-/// The voxels of a block from `low` to `high` along one axis.
+/// The range of voxels of a block from `low` to `high` along one axis.
 struct Range {
   Range(int low, int high) : first(std::max(0, voxel_of(low))), last(std::min(kBlockSide - 1, voxel_of(high))) {}
   int first, last;
@@ -47,7 +47,7 @@ void PlacedPoints::sort() {
   for (std::size_t i = 0; i < num_added_; ++i) {
     points_[blocks_[block_of_added_[i]].first[added_[i].offset & 255u]++] = added_[i];
   }
-  // Each entry was moved on to where the next column began, so they are moved back by one column.
+  // Counting moved each entry on to where the next column begins, so all entries are moved back by one column.
   for (Block& block : blocks_) {
     for (std::size_t i = block.first.size() - 1; i > 0; --i) block.first[i] = block.first[i - 1];
   }

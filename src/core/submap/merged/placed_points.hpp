@@ -11,28 +11,28 @@
 
 namespace voxnav::submap {
 
-/// The surface points of one submap in the blocks of W that they lie in, sorted by columns, so that the points around a
-/// place are found without looking through a block. Filled once, then read.
+/// The surface points of one submap, sorted into the blocks of W and their columns, so that the points around a place
+/// are found without searching a whole block. It is filled once and then only read.
 class PlacedPoints {
  public:
   struct Block {
     Columns occupied{};  ///< voxels with points; a voxel may hold several
-    /// Number of the first point of each column among those of all blocks; the last entry is the end of the block.
+    /// Number of the first point of each column among the points of all blocks; the last entry is the end of the block.
     std::array<std::uint32_t, geometry::kBlockSide * geometry::kBlockSide + 1> first{};
-    std::uint64_t time_sum = 0;  ///< sum of the times of its points, 0 to 255 each
+    std::uint64_t time_sum = 0;  ///< sum of the times of the points, 0 to 255 each
 
-    /// When its points were seen on average, as a share of the submap's time. The block must have one.
+    /// Returns the mean phase, 0 to 1, at which the points were seen. Precondition: the block has points.
     double phase() const {
       return static_cast<double>(time_sum) / (255.0 * static_cast<double>(first.back() - first.front()));
     }
   };
 
-  /// Makes room. Afterwards at most `count` points are added, then sort() is called once.
-  /// @param num_blocks  an estimate
+  /// Reserves memory. Afterwards at most `count` points may be added, and then sort() is called once.
+  /// @param num_blocks  estimated number of blocks
   void reserve(std::size_t count, std::size_t num_blocks);
-  /// The number of a block, which is added if it is not there.
+  /// Returns the number of a block, which is added if it does not exist yet.
   std::uint32_t block(const geometry::Index3& index);
-  /// The place of the next point, to be filled in before add_next().
+  /// Returns the memory of the next point, to be filled in before add_next().
   SurfaceEvidence* next() { return &added_[num_added_]; }
   void add_next(std::uint32_t block, std::uint16_t offset, std::uint8_t time) {
     Block& to = blocks_[block];
@@ -44,19 +44,20 @@ class PlacedPoints {
   }
   void sort();
 
-  /// Null when no point lies in the block.
+  /// Returns null if no point lies in the block.
   const Block* find(const geometry::Index3& index) const;
   const SurfaceEvidence* begin(const Block& block) const { return points_.data() + block.first.front(); }
   const SurfaceEvidence* end(const Block& block) const { return points_.data() + block.first.back(); }
-  /// One block and those around it, each looked up once. Must not outlive the points.
+  /// One block and its 26 neighbours, each of which is looked up at most once. It must not outlive the points.
   class Around {
    public:
     Around(const PlacedPoints& points, const geometry::Index3& index)
         : points_(&points), index_(index), center_(points.find(index)) {}
     const geometry::Index3& index() const { return index_; }
-    /// Null when no point lies in the block itself.
+    /// Returns null if no point lies in the block itself.
     const Block* center() const { return center_; }
-    /// Whether any point lies nearer than `distance` voxel edges to p. @param p  from the corner of the block
+    /// Returns true if any point lies nearer than `distance` voxel edges to p.
+    /// @param p  position relative to the corner of the block
     bool has_within(const Units3& p, double distance) const;
 
    private:

@@ -26,7 +26,7 @@ bool turns_about_vertical(const Pose& T) {
   return std::max({std::abs(R(2, 0)), std::abs(R(2, 1)), std::abs(R(0, 2)), std::abs(R(1, 2))}) < kLevel;
 }
 
-/// The same transform from lengths in units of `unit_B` to lengths in units of `unit_A`.
+/// Rescales a transform to take lengths in units of `unit_B` to lengths in units of `unit_A`.
 Eigen::Affine3d in_units(const Pose& T_A_B, double unit_A, double unit_B) {
   Eigen::Affine3d out = Eigen::Affine3d::Identity();
   out.linear() = T_A_B.linear() * (unit_B / unit_A);
@@ -58,8 +58,8 @@ Pose PlacedSubmap::T_W_G_at(double phase) const {
   return is_rigid ? placement_.T_W_S * T_S_G_ : placement_.T_W_S * placement_.bend.at(phase) * T_S_G_;
 }
 
-/// For what is free and so has no time of its own: as the surface points of the same block, or of those below, lie on
-/// average.
+/// Returns the transform for free voxels, which have no time: that of the mean phase of the surface points in the same
+/// block, or else in the block below.
 Eigen::Affine3d PlacedSubmap::T_G_W_of(const Index3& block) const {
   double phase = 0.5;
   for (const int step : {0, -1, -2, 1}) {
@@ -108,7 +108,8 @@ void PlacedSubmap::place_points(const std::vector<bool>& is_thin) {
   points_.sort();
 }
 
-/// Unpacked when first asked for: most of the air is known from other submaps already.
+/// Returns the free voxels of a block, which are unpacked when first asked for: most blocks of air are never asked for,
+/// as they are known to be free from other submaps.
 const Columns* PlacedSubmap::free_of(const Index3& block_G) const {
   const BlockStates& states = content_->states();
   const auto position = states.find(block_G);

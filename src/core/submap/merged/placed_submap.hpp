@@ -13,27 +13,28 @@
 
 namespace voxnav::submap {
 
-/// A submap laid into the grid of W: its surface points sorted into the blocks of W and its states as columns, so that
-/// each block of W costs no more than what it holds. O(surface points + known blocks). Not thread-safe.
+/// A submap placed in the grid of W, with its surface points sorted into the blocks of W and its free voxels as
+/// columns, so that merging a block of W costs no more than its content. O(surface points + known blocks). Not
+/// thread-safe.
 class PlacedSubmap {
  public:
-  /// @param viewpoints_W  where the sensor was; none = unknown
+  /// @param viewpoints_W  positions of the sensor; empty = unknown
   PlacedSubmap(const Submap& submap, std::uint32_t id, const Placement& placement, double resolution_m,
                Knowledge knowledge, std::vector<geometry::Vec3> viewpoints_W = {});
 
   std::uint32_t id() const { return id_; }
   const PlacedPoints& points() const { return points_; }
-  /// Distance from a point to where the sensor was nearest to it; nothing when that is not known.
+  /// Returns the distance from a point to the nearest position of the sensor; nothing if these are unknown.
   std::optional<double> range_to(const geometry::Vec3& p_W) const;
 
-  /// What is free of it in one block of W. No longer than the submap lives.
+  /// The free voxels of the submap in one block of W. It must not outlive the submap.
   class FreeInBlock {
    public:
     FreeInBlock(const PlacedSubmap& submap, const geometry::Index3& block);
     FreeAt is_free(const SurfaceEvidence& evidence) const {
       return window_ ? window_->at(evidence) : at_tilted(evidence);
     }
-    /// Sets the voxels whose centre the submap knows to be free.
+    /// Sets the voxels whose centres lie in free voxels of the submap.
     void add_to(Columns* free) const { window_ ? window_->add_to(free) : add_tilted(free); }
 
    private:
@@ -42,8 +43,8 @@ class PlacedSubmap {
     bool is_free_at(const geometry::Vec3& p) const;
 
     const PlacedSubmap* submap_;
-    Eigen::Affine3d T_G_W_;    ///< from voxel edges of W to those of G
-    geometry::Vec3 origin_W_;  ///< of the block, voxel edges
+    Eigen::Affine3d T_G_W_;    ///< transform from voxel edges of W to voxel edges of G
+    geometry::Vec3 origin_W_;  ///< corner of the block, voxel edges
     std::optional<FreeWindow> window_;
   };
 
@@ -61,8 +62,8 @@ class PlacedSubmap {
   Placement placement_;
   geometry::Pose T_S_G_;
   std::vector<geometry::Vec3> viewpoints_W_;
-  bool is_level_;                                       ///< turned about the vertical only, voxels of the same size
-  mutable std::vector<std::unique_ptr<Columns>> free_;  ///< per block of the submap, once it was asked for
+  bool is_level_;                                       ///< rotated about the vertical only, voxels of the same size
+  mutable std::vector<std::unique_ptr<Columns>> free_;  ///< by position of the block; null until first asked for
   PlacedPoints points_;
 };
 

@@ -27,9 +27,9 @@ PointPlacer::PointPlacer(const std::vector<Eigen::Affine3d>& T_W_G, PlacedPoints
 }
 
 void PointPlacer::enter(const Index3& block_G) {
-  constexpr double kRounding = 1e-6;  // what fixed-point numbers may be off by, and more
-  constexpr double kArc = 1.0;        // how far a turn leads out of the straight way between two times
-  constexpr std::size_t kEvery = 32;  // of the 256 times this many are passed over
+  constexpr double kRounding = 1e-6;  // far above the error of the fixed-point numbers
+  constexpr double kArc = 1.0;        // how far a rotation leads off the straight line between two sampled times
+  constexpr std::size_t kEvery = 32;  // every how many of the 256 times are sampled
   corner_G_ = Vec3(block_G.x, block_G.y, block_G.z) * kBlockSide;
   Vec3 lowest = Vec3::Constant(std::numeric_limits<double>::infinity()), highest = -lowest;
   for (std::size_t i = 0; i < frames_.size();

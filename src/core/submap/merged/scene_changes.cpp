@@ -24,7 +24,7 @@ bool any_neighbor(const Index3& voxel, F&& f) {
   return false;
 }
 
-/// Whether a voxel holds a surface that was always there.
+/// Returns true if a voxel holds a surface point where no older submap saw free space.
 bool is_old_surface(const EvidenceMap& evidence, const Index3& voxel) {
   const EvidenceBlock* block = evidence.find(geometry::block_of(voxel));
   const int offset = geometry::offset_in_block(voxel);
@@ -56,7 +56,7 @@ ChangedVoxels disappeared(const EvidenceMap& evidence) {
   return out;
 }
 
-/// Takes the group of the first voxel out.
+/// Removes the connected group of the first voxel from the set and returns it.
 SceneChange take_group(SceneChange::Kind kind, ChangedVoxels* voxels) {
   SceneChange out{kind, {}, Vec3::Zero(), 0, 0};
   std::vector<Index3> open = {voxels->begin()->first};

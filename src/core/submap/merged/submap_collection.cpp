@@ -27,7 +27,8 @@ void check_pose(const Pose& T_W_S) {
     throw std::invalid_argument("T_W_S is farther than 1000 km");
 }
 
-/// The grid of W must be able to hold the submap, and hold it at a bearable cost.
+/// Checks that the submap lies within the index range of the grid of W, and that its voxels are not much smaller or
+/// larger than those of W, which bounds the cost of merging it.
 void check_extent(const Submap& submap, const Pose& T_W_S, double resolution_m) {
   constexpr double kLastVoxel = 1 << 28;
   constexpr double kMostRatio = 4.0;

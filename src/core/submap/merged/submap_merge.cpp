@@ -15,7 +15,7 @@ using geometry::Index3;
 using geometry::Pose;
 using geometry::Vec3;
 
-/// How far the corners of a box move between two poses.
+/// Returns how far the corners of a box move at most between two placements.
 double largest_move(const geometry::Aabb& box, const Pose& a, const Pose& b) {
   double largest = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -33,7 +33,7 @@ double largest_move(const geometry::Aabb& box, const Placement& a, const Placeme
                    largest_move(box, a.T_W_S * a.bend.T_S_end, b.T_W_S * b.bend.T_S_end)});
 }
 
-/// Where the sensor was, in W: a few places along the way.
+/// Returns a few positions of the sensor along its path, in W.
 std::vector<Vec3> viewpoints(const std::vector<geometry::StampedPose>& T_S_B, const Pose& T_W_S) {
   constexpr std::size_t kMost = 5;
   std::vector<Vec3> out;
@@ -52,8 +52,8 @@ SubmapMerge::SubmapMerge(const SubmapCollectionConfig& config)
       pose_tolerance_m_(config.pose_tolerance_m),
       evidence_({config.resolution_m, config.clearing_distance_m, config.thin_range_m}) {}
 
-/// What counts of a submap: its memory only where the submap before it is absent. Submaps of a flight are numbered
-/// without gaps.
+/// Decides which content of a submap is merged. Remembered content is merged only if the submap before it is absent,
+/// which shows in its id: the submaps of a flight are numbered without gaps.
 Knowledge SubmapMerge::knowledge_of(const SubmapStore& store, const SubmapRecord& record) const {
   if (!record.has_memory) return Knowledge::kObserved;
   const SubmapRecord* before = record.entry.id > 0 ? store.find(record.entry.id - 1) : nullptr;
@@ -66,15 +66,16 @@ bool SubmapMerge::has_changed(const SubmapStore& store, const SubmapRecord& reco
          largest_move(record.entry.submap->known_bounds(), now, record.merged_at) > pose_tolerance_m_;
 }
 
-/// Whether a submap that is merged in a block observed something of it itself.
+/// Returns true if a submap that is merged in a block observed something in it.
 bool SubmapMerge::has_observed(const SubmapStore& store, const SubmapKey& key, const Index3& block) const {
   const SubmapRecord& record = store.at(key);
   return record.merged == Knowledge::kObserved ||
          std::binary_search(record.observed_blocks.begin(), record.observed_blocks.end(), block);
 }
 
-/// Whether the memory of the oldest submap of a block counts there. @param without  a submap that is left out of
-/// account
+/// Returns true if the remembered content of the oldest submap of a block is merged there: no other submap observed the
+/// block.
+/// @param without  submap that is not considered, or null
 bool SubmapMerge::memory_counts(const SubmapStore& store, const Index3& block, const SubmapKey* without) const {
   if (num_with_memory_ == 0) return false;
   const std::vector<SubmapKey>& keys = by_block_.at(block);
@@ -84,7 +85,7 @@ bool SubmapMerge::memory_counts(const SubmapStore& store, const Index3& block, c
   });
 }
 
-/// Takes a submap out of the merged map; its blocks have to be merged anew.
+/// Removes a submap from the merged map and marks its blocks as stale: they have to be merged again.
 void SubmapMerge::take_out(SubmapRecord* record, std::vector<Index3>* stale) {
   if (!record->is_merged) return;
   const SubmapKey key = key_of(record->entry);
@@ -98,7 +99,7 @@ void SubmapMerge::take_out(SubmapRecord* record, std::vector<Index3>* stale) {
   if (record->merged == Knowledge::kAll) --num_with_memory_;
 }
 
-/// Gives a submap its place in the merged map; its evidence has to be integrated yet.
+/// Enters a submap in the lists of the blocks that it touches. Its evidence is integrated later.
 void SubmapMerge::put_in(const SubmapStore& store, const SubmapKey& key, SubmapRecord* record) {
   record->merged_at = {record->entry.T_W_S, record->entry.bend};
   record->is_merged = true;
@@ -115,8 +116,9 @@ void SubmapMerge::put_in(const SubmapStore& store, const SubmapKey& key, SubmapR
   }
 }
 
-/// Puts in all submaps that have no place yet. @param stale  gets the blocks that have to be merged anew
-/// @return the other blocks of each: it is newer than all that is there, so that it is only added
+/// Enters all submaps that are not in the merged map yet.
+/// @param stale  receives the blocks that have to be merged again
+/// @return the other blocks of each such submap; it is the newest one there, so its evidence is only added
 SubmapMerge::Work SubmapMerge::put_in_new(SubmapStore* store, std::vector<Index3>* stale) {
   Work fresh;
   for (auto& [key, record] : store->records()) {
@@ -124,7 +126,7 @@ SubmapMerge::Work SubmapMerge::put_in_new(SubmapStore* store, std::vector<Index3
     put_in(*store, key, &record);
     for (const Index3& block : record.blocks) {
       const std::vector<SubmapKey>& keys = by_block_[block];
-      // Who sees a place takes the memory of others away.
+      // Remembered content of an older submap has to be removed from a block that the new submap observed.
       const bool is_added = keys.back() == key && (keys.size() == 1 || !memory_counts(*store, block, &key));
       (is_added ? fresh[key] : *stale).push_back(block);
     }
@@ -132,7 +134,7 @@ SubmapMerge::Work SubmapMerge::put_in_new(SubmapStore* store, std::vector<Index3
   return fresh;
 }
 
-/// Empties blocks that have to be merged anew and lists them for every submap that touches them.
+/// Empties the blocks that have to be merged again, and lists them for every submap that touches them.
 void SubmapMerge::add_stale(const std::vector<Index3>& stale, Work* work) {
   for (const Index3& block : stale) {
     const auto found = by_block_.find(block);

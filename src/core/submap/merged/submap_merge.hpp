@@ -10,22 +10,21 @@
 
 namespace voxnav::submap {
 
-/// Keeps the evidence of W up to date with the submaps of a store: those that came, went or moved. Only blocks that one
-/// of these touches are merged anew. Not thread-safe.
+/// Updates the evidence of W with the submaps of a store that were added, removed or moved. Only blocks that one of
+/// these touches are merged again. Not thread-safe.
 class SubmapMerge {
  public:
   explicit SubmapMerge(const SubmapCollectionConfig& config);
 
   const EvidenceMap& evidence() const { return evidence_; }
-  /// A submap is about to be removed from the store.
+  /// Removes a submap from the merged map; to be called before it is removed from the store.
   void remove(SubmapRecord* record) { take_out(record, &stale_); }
-  /// @return blocks that changed, sorted
+  /// Brings the evidence up to date. @return blocks that changed, sorted
   std::vector<geometry::Index3> update(SubmapStore* store);
   std::size_t memory_bytes() const;
 
  private:
-  /// Blocks to be integrated, by submap, oldest first: so each is laid into the grid once however many blocks it has to
-  /// give.
+  /// The blocks to be integrated, by submap, oldest first, so that each submap is placed in the grid only once.
   using Work = std::map<SubmapKey, std::vector<geometry::Index3>>;
 
   Knowledge knowledge_of(const SubmapStore& store, const SubmapRecord& record) const;
@@ -42,10 +41,10 @@ class SubmapMerge {
   double resolution_m_;
   double pose_tolerance_m_;
   EvidenceMap evidence_;
-  /// Submaps that are merged in each block, oldest first.
+  /// The submaps that are merged in each block, oldest first.
   std::unordered_map<geometry::Index3, std::vector<SubmapKey>, geometry::Index3Hash> by_block_;
   std::vector<geometry::Index3> stale_;  ///< blocks of submaps that were removed
-  std::size_t num_with_memory_ = 0;      ///< submaps merged with what they remember
+  std::size_t num_with_memory_ = 0;      ///< number of submaps that are merged with their remembered content
 };
 
 }  // namespace voxnav::submap

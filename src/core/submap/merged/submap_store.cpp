@@ -11,7 +11,7 @@
 namespace voxnav::submap {
 namespace {
 
-/// The address keeps two collections of one process apart.
+/// The path of a page contains the address of the store, which tells two collections of one process apart.
 std::string page_name(const SubmapEntry& entry) {
   char name[96];
   std::snprintf(name, sizeof(name), "/page_%ld_%p_%u.vxs", static_cast<long>(::getpid()),

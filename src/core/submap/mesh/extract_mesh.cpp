@@ -13,7 +13,8 @@ namespace {
 using geometry::Index3;
 using geometry::Vec3f;
 
-/// The merged map around some blocks, as one submap would hold it.
+/// The merged map around some blocks, as the content of one submap, so that its distances are derived like those of a
+/// submap.
 SubmapContent content_around(const EvidenceMap& evidence, const std::vector<Index3>& blocks) {
   std::set<Index3> around;
   for (const Index3& block : blocks) {
@@ -61,7 +62,7 @@ Mesh extract_mesh(const EvidenceMap& evidence, const std::vector<Index3>& blocks
 }
 
 Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles) {
-  constexpr std::size_t kAtOnce = 64;  // bounds what is unpacked at a time
+  constexpr std::size_t kAtOnce = 64;  // blocks unpacked at a time, which bounds the memory
   collection->update();
   const EvidenceMap& evidence = collection->evidence();
   std::vector<Index3> order;

@@ -9,7 +9,7 @@ using geometry::Index3;
 /// Corners of each face of a cube, counter-clockwise seen from outside; corner bits are x, y, z.
 constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
-/// An edge of the cube: 3 * lower corner + axis.
+/// Returns the number of an edge of the cube, 3 * lower corner + axis.
 int edge_of(int a, int b) {
   const int axis = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2;
   return 3 * (a & b) + axis;
@@ -18,7 +18,7 @@ int edge_of(int a, int b) {
 constexpr int kNoEdge = -1;
 using NextEdge = std::array<int, 24>;
 
-/// For every edge that the zero level crosses the one that follows it around its polygon.
+/// Computes, for every edge that the zero level crosses, the edge that follows it around its polygon.
 NextEdge trace_faces(const std::array<bool, 8>& is_inside) {
   NextEdge next;
   next.fill(kNoEdge);
@@ -33,7 +33,7 @@ NextEdge trace_faces(const std::array<bool, 8>& is_inside) {
     }
     for (int i = 0; i < 4; ++i) {
       if (out_of[i] == kNoEdge) continue;
-      // The crossing before it: the line cuts off the inside corners between both.
+      // The polygon continues at the crossing before this one, as its line cuts off the inside corners between the two.
       for (int back = 1; back < 4; ++back) {
         const int edge = into[(i + 4 - back) % 4];
         if (edge == kNoEdge) continue;

@@ -12,13 +12,14 @@
 
 namespace voxnav::submap {
 
-/// Turns distances at voxel centres into triangles of their zero level, block by block. The corners of a cube are the
+/// Extracts the zero level of distances at voxel centres as triangles, block by block. The corners of a cube are the
 /// centres of 2^3 voxels; vertices lie on its edges and are shared with the cubes around.
 /// Source: Lorensen and Cline, Marching Cubes, SIGGRAPH 1987; the polygons are traced along the faces of a cube with
 /// inside corners kept apart on ambiguous faces, which makes neighbouring cubes agree without a table of cases.
 class MarchingCubes {
  public:
-  /// @param T_A_G  frame of the voxels in that of the mesh  @param mesh  gets the triangles
+  /// @param T_A_G  pose of the voxel grid in the frame of the mesh
+  /// @param mesh   receives the triangles
   MarchingCubes(const geometry::Pose& T_A_G, double resolution_m, Mesh* mesh)
       : T_A_G_(T_A_G), resolution_m_(resolution_m), mesh_(mesh) {}
 
@@ -26,7 +27,7 @@ class MarchingCubes {
   void add_block(const geometry::Index3& block, const DistanceBlock& distances, std::size_t max_triangles);
 
  private:
-  /// Distances at the corners of a cube, x fastest.
+  /// The distances at the corners of a cube, x fastest.
   using Corners = std::array<float, 8>;
   /// An edge of the grid: from the centre of a voxel along an axis.
   struct Edge {

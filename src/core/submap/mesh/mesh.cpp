@@ -9,7 +9,8 @@
 namespace voxnav::submap {
 namespace {
 
-/// Red, green and blue of full saturation, each from 0 to 1, by their hue from 0 to 6: 0 red, 2 green, 4 blue.
+/// Returns red, green and blue, each from 0 to 1, of the fully saturated colour with a hue from 0 to 6: 0 red, 2 green,
+/// 4 blue.
 std::array<double, 3> rgb_of_hue(double hue) {
   std::array<double, 3> out;
   for (int k = 0; k < 3; ++k) {

@@ -13,13 +13,13 @@ using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
 
-constexpr double kRounding = 1e-5;  // voxel edges; floats of this size carry a few 1e-6
+constexpr double kRounding = 1e-5;  // voxel edges; the rounding of floats of this size is a few 1e-6
 
 }  // namespace
 
 void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
   static_assert(kSide == kernels::kColumnWindowSide, "one window");
-  constexpr int kFirst = kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // centres of voxels at integers
+  constexpr int kFirst = kHalo * kUnitsPerEdge - kUnitsPerEdge / 2;  // puts the centres of voxels at integers
   const auto edges = [](int units) { return static_cast<float>(units) * (1.f / static_cast<float>(kUnitsPerEdge)); };
   std::vector<kernels::BallCenter> centers;
   centers.reserve(block.points.size());
@@ -32,7 +32,7 @@ void BallWindow::add_balls(const EvidenceBlock& block, double reach) {
 }
 
 void BallWindow::copy_to(const Index3& step, Columns* mask) const {
-  // Voxel x of the other block is x + 16 step here, and must lie within the halo.
+  // Voxel x of the other block has the coordinate x + 16 step in this window, and must lie within the halo.
   const auto first = [](int s) { return s < 0 ? kHalo : 0; };
   const auto last = [](int s) { return s > 0 ? kHalo : kBlockSide; };
   const int shift = kHalo + kBlockSide * step.z;

@@ -9,28 +9,29 @@
 
 namespace voxnav::submap {
 
-/// The voxels within reach of the surface points of one block: those of the block and 8 around it on every side, one
-/// 32-bit word per column, bit z + 8. The ball around a point is computed once, whichever of the 27 blocks it reaches
-/// into.
+/// The voxels within reach of the surface points of one block. The window holds the block and 8 voxels around it on
+/// every side, as one 32-bit word for each column in which voxel z is bit z + 8. The ball around a point is computed
+/// once, although it may reach into several of the 27 blocks.
 class BallWindow {
  public:
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
-  /// Balls must stay inside the window.
+  /// Limit of the reach, with which balls stay inside the window.
   static constexpr double kMaxReach = 7.0;
 
-  /// Adds every voxel whose centre is nearer than `reach` voxel edges to a surface point; up to 2e-5 edges beyond, so
-  /// that rounding never leaves one out. @param reach at most kMaxReach
+  /// Adds every voxel whose centre is nearer than `reach` voxel edges to a surface point. Voxels up to 2e-5 edges
+  /// beyond may be added as well, so that rounding never leaves one out.
+  /// @param reach  at most kMaxReach
   void add_balls(const EvidenceBlock& block, double reach);
-  /// Sets the voxels of the block at `step` (-1, 0, 1 on each axis) from this one's that the balls reach.
+  /// Sets the voxels that the balls reach in the block at `step` (-1, 0 or 1 on each axis) relative to this one.
   void copy_to(const geometry::Index3& step, Columns* mask) const;
 
  private:
   std::array<std::uint32_t, kSide * kSide> columns_{};
 };
 
-/// Sets the voxels of a block within reach of the points of another one, for any reach.
-/// @param step  from the block of the points to that of the voxels, blocks
+/// Sets the voxels of a block within any reach of the points of another block.
+/// @param step  offset from the block of the points to that of the voxels, in blocks
 void add_balls(const EvidenceBlock& block, const geometry::Index3& step, double reach, Columns* mask);
 
 }  // namespace voxnav::submap

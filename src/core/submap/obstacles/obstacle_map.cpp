@@ -23,7 +23,7 @@ double checked_resolution(double resolution_m, double safety_distance_m) {
   return resolution_m;
 }
 
-/// Checksum of where the surface points of a block are; which submap gave them does not matter.
+/// Computes a checksum of the positions of the surface points of a block; their submaps do not matter for obstacles.
 std::uint64_t sum_of(const EvidenceBlock& block) {
   std::uint64_t sum = 0x9E3779B97F4A7C15ull;
   for (const SurfaceEvidence& point : block.points) {
@@ -37,17 +37,17 @@ std::uint64_t sum_of(const EvidenceBlock& block) {
   return sum;
 }
 
-/// Blocks are worked through row by row of y, so that windows are dropped as soon as no later block needs them.
+/// Sort order of blocks by rows of y, so that windows can be dropped as soon as no later block needs them.
 bool comes_later(const Index3& a, const Index3& b) {
   if (a.y != b.y) return a.y > b.y;
   return b < a;
 }
 
-/// The evidence of a block and of those around it, from which balls reach into it; moves from block to block. The next
-/// block along x keeps what both share.
+/// The evidence of a block and of its neighbours, from which balls reach into the block. It moves from block to block;
+/// a move along x keeps the neighbours that both blocks share.
 class Surroundings {
  public:
-  /// @param reach  of the balls, voxel edges
+  /// @param reach  radius of the balls, voxel edges
   Surroundings(const EvidenceMap& evidence, int reach_blocks, double reach)
       : evidence_(evidence), reach_blocks_(reach_blocks), side_(2 * reach_blocks + 1), reach_(reach) {
     sources_.resize(static_cast<std::size_t>(side_ * side_ * side_));
@@ -98,7 +98,7 @@ class Surroundings {
     }
     source->window->copy_to(back, mask);
   }
-  /// Frees the windows of blocks that no row from `row` on needs.
+  /// Frees the windows that no block of the rows from `row` on needs.
   void drop_windows(std::int32_t row) {
     for (auto it = windows_.begin(); it != windows_.end();) it = it->first.y < row - 1 ? windows_.erase(it) : ++it;
   }
@@ -109,7 +109,7 @@ class Surroundings {
   double reach_;
   bool is_anywhere_ = false;
   Index3 index_;
-  std::vector<Source> sources_;  ///< x slowest
+  std::vector<Source> sources_;  ///< neighbours, x slowest
   std::unordered_map<Index3, std::unique_ptr<BallWindow>, geometry::Index3Hash> windows_;
 };
 

@@ -19,7 +19,8 @@ bool ProjectiveIntegrator::Volume::observed(const Index3& index, float* distance
   return voxel(index, distance, &weight) && weight >= config_.min_weight;
 }
 
-/// Central difference in metres per voxel, one-sided where one side is missing; false where an axis has neither.
+/// Computes the gradient by central differences [m per voxel], one-sided if one neighbour is missing; returns false if
+/// both neighbours on an axis are missing.
 bool ProjectiveIntegrator::Volume::gradient(const Index3& index, float distance, Vec3f* out) const {
   for (int axis = 0; axis < 3; ++axis) {
     const Index3 step{axis == 0, axis == 1, axis == 2};
@@ -33,7 +34,7 @@ bool ProjectiveIntegrator::Volume::gradient(const Index3& index, float distance,
   return out->norm() > 1e-6f;
 }
 
-/// A 6-neighbour in front of the surface that does not hold the surface itself.
+/// Returns true if a 6-neighbour lies in front of the surface and does not contain it.
 bool ProjectiveIntegrator::Volume::has_free_neighbor(const Index3& index) const {
   for (int i = 0; i < 6; ++i) {
     const int side = i % 2 == 0 ? 1 : -1;
@@ -52,7 +53,7 @@ std::optional<ProjectiveIntegrator::Volume::Surface> ProjectiveIntegrator::Volum
   Vec3f slope = Vec3f::Zero();
   const bool has_slope = gradient(voxel, distance, &slope);
   const Vec3f foot = has_slope ? Vec3f(-distance * slope / slope.squaredNorm()) : Vec3f::Zero();
-  // At a thin thing the slope says nothing, but the distance is small or a free neighbour shows its skin.
+  // At a thin thing the gradient is meaningless, but the distance is small or a free neighbour shows its skin.
   const bool is_near = std::abs(distance) <= 0.5f * v || (has_slope && foot.cwiseAbs().maxCoeff() <= 0.5f);
   if (!is_near && !(distance <= 0.f && has_free_neighbor(voxel))) return std::nullopt;
   Surface out{foot.cwiseMax(-0.5f).cwiseMin(0.5f), {}};

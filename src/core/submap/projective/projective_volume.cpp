@@ -54,7 +54,7 @@ std::vector<ProjectiveIntegrator::Volume::Ray> ProjectiveIntegrator::Volume::ray
   return out;
 }
 
-/// The group of rays that end in a cell; a new one gets the next number.
+/// Returns the group of rays that end in a cell; a new group gets the next number.
 std::uint32_t ProjectiveIntegrator::Volume::group_of(const Index3& cell) {
   const auto next = static_cast<std::uint32_t>(group_cells_.size());
   const auto cell_of_group = [this](std::uint32_t group) { return group_cells_[group]; };
@@ -63,7 +63,8 @@ std::uint32_t ProjectiveIntegrator::Volume::group_of(const Index3& cell) {
   return group;
 }
 
-/// One ray per end voxel: weighted mean point and summed weight; of clearing rays the first one stands for all.
+/// Merges rays to one for each end voxel, with the weighted mean point and the summed weight. Of clearing rays the
+/// first one stands for all.
 void ProjectiveIntegrator::Volume::merge(std::vector<Ray>* rays) {
   std::vector<Ray> out;  // in order of first points, so that the result is deterministic
   group_cells_.clear();
@@ -86,7 +87,7 @@ void ProjectiveIntegrator::Volume::merge(std::vector<Ray>* rays) {
   rays->swap(out);
 }
 
-/// The first ray of each cell of half a voxel.
+/// Keeps the first ray of each cell of half a voxel.
 void ProjectiveIntegrator::Volume::thin(std::vector<Ray>* rays) {
   groups_.reset(rays->size());
   group_cells_.clear();
@@ -118,7 +119,7 @@ void ProjectiveIntegrator::Volume::cast(const Vec3& origin, const Ray& ray, Coun
   if (to <= from) return;
   const Index3 end_voxel = floor_index(ray.end / v);
   const bool is_fast = config_.rule == RayRule::kFast;
-  // From the end to the sensor, so that the fast rule may stop early in what is already known to be free.
+  // Rays are walked from the end to the sensor, so that the fast rule can stop in space that the scan has cleared.
   VoxelWalk walk((origin + to * direction) / v, (origin + from * direction) / v);
   double distance = range - (geometry::center_of(walk.index(), v) - origin).dot(direction);
   Index3 at{1 << 30, 0, 0};
@@ -158,7 +159,7 @@ ProjectiveIntegrator::Volume::Visit ProjectiveIntegrator::Volume::update(double 
 
 void ProjectiveIntegrator::Volume::fuse(float distance, float weight, Voxel* voxel) const {
   const float sum = voxel->weight + weight;
-  // Most voxels are far in front of everything and stay there.
+  // Most voxels are far in front of all surfaces and stay at the truncation distance.
   if (distance != voxel->distance || voxel->weight == 0.f)
     voxel->distance = (voxel->weight * voxel->distance + weight * distance) / sum;
   voxel->weight = std::min(sum, static_cast<float>(config_.max_weight));

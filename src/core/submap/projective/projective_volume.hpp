@@ -13,7 +13,7 @@
 
 namespace voxnav::submap {
 
-/// The voxels that ProjectiveIntegrator fuses scans into, and how.
+/// The voxels of a TSDF into which ProjectiveIntegrator fuses scans.
 class ProjectiveIntegrator::Volume {
  public:
   explicit Volume(const ProjectiveConfig& config) : config_(base::checked(config)) {}
@@ -21,11 +21,11 @@ class ProjectiveIntegrator::Volume {
   Counts integrate(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L);
   bool voxel(const geometry::Index3& index, float* distance_m, float* weight) const;
 
-  /// What was fused as a local map would hand it over, with what was measured beside it.
+  /// The fused voxels in the form in which a local map hands over its content, with the measured normals and distances.
   struct Measured {
     occupancy::MapContent content;                    ///< blocks sorted by index; everything was observed
-    std::vector<std::vector<SurfaceNormal>> normals;  ///< of the occupied voxels of each block
-    std::vector<std::vector<float>> distances;        ///< of all voxels of each block, see make_content()
+    std::vector<std::vector<SurfaceNormal>> normals;  ///< normals of the occupied voxels of each block
+    std::vector<std::vector<float>> distances;        ///< distances of all voxels of each block, see make_content()
   };
   Measured measured() const;
   void clear() {
@@ -37,18 +37,18 @@ class ProjectiveIntegrator::Volume {
   struct Voxel {
     float distance = 0.f;  ///< m
     float weight = 0.f;
-    std::uint32_t mark = 0;  ///< number of the last scan that came here, times 4, and what it did: kSeen, kEnd
+    std::uint32_t mark = 0;  ///< number of the last scan that reached the voxel, times 4, plus kSeen and kEnd
   };
   using Block = std::array<Voxel, geometry::kBlockVolume>;
-  static constexpr std::uint32_t kSeen = 1;  ///< a ray went through
-  static constexpr std::uint32_t kEnd = 2;   ///< a point lies here
+  static constexpr std::uint32_t kSeen = 1;  ///< a ray of that scan went through the voxel
+  static constexpr std::uint32_t kEnd = 2;   ///< a point of that scan lies in the voxel
   struct Ray {
     geometry::Vec3 end;
     float weight;
     bool is_clearing;
   };
   enum class Visit { kRefused, kLeftAlone, kNew, kSeen };
-  /// The surface at a voxel, where there is one.
+  /// The surface at a voxel.
   struct Surface {
     geometry::Vec3f foot;  ///< foot of the voxel centre on the zero level, voxel edges
     SurfaceNormal normal;
@@ -73,7 +73,7 @@ class ProjectiveIntegrator::Volume {
   ProjectiveConfig config_;
   std::unordered_map<geometry::Index3, std::unique_ptr<Block>, geometry::Index3Hash> blocks_;
   containers::NumberTable<geometry::Index3, geometry::Index3Hash> groups_;
-  std::vector<geometry::Index3> group_cells_;  ///< of the groups, by number
+  std::vector<geometry::Index3> group_cells_;  ///< cells of the groups, by number
   std::uint32_t scan_ = 0;                     ///< 30 bits, never 0
 };
 

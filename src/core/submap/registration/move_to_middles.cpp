@@ -14,10 +14,10 @@ namespace {
 using geometry::Index3;
 using geometry::Vec3;
 
-/// The hits on a rod lie 2 / pi of its radius before its axis, on average: 0.1 m where it is a trunk of 0.15 m.
+/// The hits on a rod lie on average 2 / pi of its radius before its axis: 0.1 m for a trunk with a radius of 0.15 m.
 constexpr double kDepth_m = 0.1;
 
-/// Where the sensor was at each of the 256 times that surface points can have, in voxel edges.
+/// Returns the position of the sensor at each of the 256 times that surface points can have, in voxel edges.
 std::vector<Vec3> places_over_time(const std::vector<geometry::StampedPose>& T_G_B, double resolution_m) {
   constexpr std::size_t kTimes = 256;
   const base::StampNs start_ns = T_G_B.front().stamp_ns;
@@ -32,7 +32,7 @@ std::vector<Vec3> places_over_time(const std::vector<geometry::StampedPose>& T_G
   return out;
 }
 
-/// For each surface point, by its number, whether it lies in a plane.
+/// Returns for each surface point, by its number, whether it lies in a plane.
 std::vector<bool> find_planar(const SubmapContent& content) {
   std::vector<bool> out(content.points().size());
   const auto window = std::make_unique<ContentWindow>();

@@ -8,13 +8,13 @@
 
 namespace voxnav::submap {
 
-/// Trunks, branches and foliage are hit on the side that they are seen from, which changes while one flies past them:
-/// registered as they were hit, they go along a little. Moves the surface points that lie in no plane away from where
-/// they were seen from, by what the middle of such a thing is behind its hits, within their voxels.
-/// @param content  of an observed_content(), which knows when each point was seen
-/// @param resolution_m  edge of its voxels
-/// @param T_G_B  where the sensor was, by rising stamps, from the submap's beginning to its end; at least one
-/// O(surface points).
+/// Moves the surface points that lie in no plane away from the sensor, to the middle of the thing that was hit, but not
+/// out of their voxels. Trunks, branches and foliage are hit on the side from which they are seen, and this side
+/// changes while the vehicle flies past: registered by their hits, they would seem to move along with it a little.
+/// O(surface points). docs/alignment.md has the measurements.
+/// @param resolution_m  edge of the voxels of `content`
+/// @param T_G_B         poses of the sensor by rising stamps, from the submap's beginning to its end; at least one
+/// @param content       result of observed_content(), in which every point has the time at which it was seen
 void move_to_middles(double resolution_m, const std::vector<geometry::StampedPose>& T_G_B, SubmapContent* content);
 
 }  // namespace voxnav::submap

@@ -8,14 +8,14 @@
 
 namespace voxnav::submap {
 
-/// What a submap observed itself, to register it by: distances to the surface points of its own hits alone, observed
-/// only within the band around them. What the local map merely remembered is left out, since two submaps that got the
-/// same memory fit each other wherever odometry put them. Frozen; thread-safe.
+/// The distance field by which a submap is registered: distances to the surface points that it observed, defined only
+/// within the band around them. Content that the local map merely remembered is left out, since two submaps that
+/// inherit the same content fit each other wherever odometry put them. Immutable; thread-safe.
 class ObservedSurface final : public geometry::DistanceField {
  public:
-  /// Takes what it needs from the submap. O(size of the submap).
-  /// @param T_S_B  where the sensor was during the submap, by rising stamps: with it, things that are seen from one
-  /// side lie where their middles are (move_to_middles()); without, where they were hit
+  /// Copies what it needs from the submap. O(size of the submap).
+  /// @param T_S_B  poses of the sensor during the submap, by rising stamps. With them, things that lie in no plane are
+  ///               registered by their middles (move_to_middles()), without them by the side that was hit
   explicit ObservedSurface(const Submap& submap, const std::vector<geometry::StampedPose>& T_S_B = {});
 
   bool sample(const geometry::Vec3& p_S, double* distance_m, geometry::Vec3* gradient) const override;
@@ -26,7 +26,7 @@ class ObservedSurface final : public geometry::DistanceField {
 
  private:
   std::shared_ptr<const Submap> observed_;
-  std::shared_ptr<const SubmapContent> content_;  ///< of observed_, which never moves to disk
+  std::shared_ptr<const SubmapContent> content_;  ///< content of observed_, which is never moved to disk
   double reach_m_;
 };
 

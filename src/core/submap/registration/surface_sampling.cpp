@@ -23,12 +23,12 @@ using Cell = std::vector<Candidate>;
 using CellsOfBlock = std::array<Cell, 64>;
 
 float weight_of(float quality, std::uint8_t num_hits) {
-  constexpr float kHalfway = 3.f;  // hits that give half of the full weight
+  constexpr float kHalfway = 3.f;  // number of hits that gives half of the full weight
   const float hits = std::max<float>(num_hits, 1.f);
   return quality * hits / (hits + kHalfway);
 }
 
-/// Best first, empty ones left out.
+/// Sorts the points of each cell, the best first, and leaves out empty cells.
 void append_sorted(CellsOfBlock&& cells, std::vector<Cell>* out) {
   for (Cell& cell : cells) {
     if (cell.empty()) continue;
@@ -47,7 +47,7 @@ std::vector<SurfacePoint> pick(const std::vector<Cell>& cells, const geometry::P
       if (round < cell.size()) next.push_back(&cell[round]);
     }
     if (next.empty() || out.size() >= limit) break;
-    // In the last round the places left go to evenly spaced cells, not to the first ones.
+    // In the last round the remaining points are taken from evenly spaced cells, not from the first ones.
     const std::size_t take = std::min(next.size(), limit - out.size());
     for (std::size_t i = 0; i < take; ++i) {
       const Candidate& chosen = *next[i * next.size() / take];

@@ -9,12 +9,13 @@
 
 namespace voxnav::submap {
 
-/// At most `max_points` surface points, frame S, spread evenly: rounds over cells of 4^3 voxels, each giving its next
-/// best surface point (normal quality, then hits). Deterministic, depends on nothing but the content.
+/// Chooses at most `max_points` surface points, frame S, that are spread evenly: in rounds over cells of 4^3 voxels,
+/// each cell gives its next best point (by quality of the normal, then by hits). Deterministic; the result depends on
+/// nothing but the content.
 std::vector<geometry::SurfacePoint> sample_surface(const SubmapContent& content, double resolution_m,
                                                    const geometry::Pose& T_S_G, int max_points);
-/// The same with normals that were measured (projective filling).
-/// @param normals  of the occupied voxels of each block of the content
+/// Chooses surface points with normals that were measured by rays (projective filling).
+/// @param normals  normals of the occupied voxels of each block of the content
 std::vector<geometry::SurfacePoint> sample_surface(const occupancy::MapContent& content,
                                                    const std::vector<std::vector<SurfaceNormal>>& normals,
                                                    const geometry::Pose& T_S_G, int max_points);
