@@ -24,7 +24,7 @@ struct Aabb {
     return (min.array() <= other.max.array()).all() && (other.min.array() <= max.array()).all();
   }
   Aabb padded(double margin_m) const { return {min.array() - margin_m, max.array() + margin_m}; }
-  /// Smallest box around this box seen from frame A.
+  /// Returns the smallest axis-aligned box in frame A around this box.
   Aabb transformed(const Pose& T_A_B) const;
 };
 

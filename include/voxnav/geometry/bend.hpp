@@ -5,9 +5,10 @@
 
 namespace voxnav::geometry {
 
-/// What drift did to a submap while it was made. Its pose holds for its middle; what it saw when it began has to be
-/// moved by T_S_begin to lie as its middle does, what it saw when it ended by T_S_end, and what it saw in between by a
-/// share of them. Identities leave it rigid.
+/// The drift within a submap while it was made. The pose of a submap holds for the middle of its time. What it observed
+/// at its beginning has to be moved by T_S_begin to lie where it would lie without drift against the middle, what it
+/// observed at its end by T_S_end, and what it observed in between by an interpolation. With identities the submap is
+/// rigid. docs/maths/submaps.md, section Bend, has the formula.
 struct Bend {
   Pose T_S_begin = Pose::Identity();
   Pose T_S_end = Pose::Identity();
@@ -15,7 +16,7 @@ struct Bend {
   bool is_rigid() const {
     return T_S_begin.matrix() == Pose::Identity().matrix() && T_S_end.matrix() == Pose::Identity().matrix();
   }
-  /// @param phase  share of the submap's time, 0 to 1
+  /// Returns the motion at a phase. @param phase  0 at the submap's beginning, 1 at its end
   Pose at(double phase) const;
 };
 

@@ -7,12 +7,13 @@
 
 namespace voxnav::geometry {
 
-/// Pose of a position and a quaternion as messages carry them; nothing when they are not finite, or the quaternion's
-/// norm is not 1 within 5 %.
+/// Converts a position and a quaternion, as messages carry them, to a pose; nothing if they are not finite, or if the
+/// norm of the quaternion is not 1 within 5 %.
 std::optional<Pose> make_pose(const Vec3& position, const Eigen::Quaterniond& q);
 
-/// A pose as it arrives when it is sent as position and quaternion. What is handed over within one process takes the
-/// same way, so that results do not depend, to the last bit, on which parts are nodes of their own.
+/// Returns a pose as it arrives when it is sent as position and quaternion. Poses that are handed over within one
+/// process are converted as well, so that results are bit by bit the same whether two parts run in one process or as
+/// two nodes.
 Pose as_sent(const Pose& pose);
 
 }  // namespace voxnav::geometry

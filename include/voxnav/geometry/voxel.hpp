@@ -38,8 +38,8 @@ inline Vec3 center_of(const Index3& index, double size_m) {
   return Vec3(index.x + 0.5, index.y + 0.5, index.z + 0.5) * size_m;
 }
 
-/// Side of a block in voxels, shared by every blocked structure that leaves a process, so that
-/// what one part sends another can store without regrouping.
+/// Side of a block in voxels. All block-based structures share it, so that a receiver stores the blocks of a message
+/// without regrouping their voxels.
 constexpr int kBlockSide = 16;
 constexpr int kBlockShift = 4;
 constexpr int kBlockVolume = kBlockSide * kBlockSide * kBlockSide;

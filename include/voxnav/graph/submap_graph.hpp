@@ -17,7 +17,7 @@ class DistanceField;
 
 namespace voxnav::graph {
 
-/// What a constraint between submaps, or between a submap and the world, was measured by.
+/// The kind of measurement behind a constraint between submaps, or between a submap and the world.
 enum class ConstraintKind { kOdometry, kRegistration, kLoop, kGnss, kHeight };
 constexpr auto words_of(ConstraintKind) { return std::array{"odometry", "registration", "loop", "gnss", "height"}; }
 constexpr int kNumConstraintKinds = static_cast<int>(words_of(ConstraintKind{}).size());
@@ -61,9 +61,9 @@ struct ConstraintView {
 };
 
 /// Pose graph of submaps with four degrees of freedom each (x, y, z, yaw); roll and pitch are fixed by gravity.
-/// The submap with the smallest id stays where it is. Registration constraints between submaps that overlap are made
-/// here. The result depends on what was added, not on the order, the clock or threads. Not thread-safe.
-/// Source: Reijgwart et al., Voxgraph, RA-L 2020, section IV; see docs/maths/graph.md for what differs.
+/// The submap with the smallest id stays fixed. The graph itself registers submaps that overlap and adds the
+/// constraints between them. The result depends on what was added, not on the order, the clock or threads. Not
+/// thread-safe. Source: Reijgwart et al., Voxgraph, RA-L 2020, section IV; see docs/maths/graph.md for what differs.
 class SubmapGraph {
  public:
   /// @throws base::ConfigError
@@ -73,7 +73,9 @@ class SubmapGraph {
   SubmapGraph& operator=(SubmapGraph&&) noexcept;
 
   /// @param field  surfaces and distances of the submap; without it the submap is not registered to others
-  /// @throws std::invalid_argument for a known id or a pose that is not gravity-aligned; std::length_error when full
+  /// @throws std::invalid_argument for an id that exists or a pose that is not gravity-aligned; std::length_error if
+  /// the
+  ///         graph is full
   void add_submap(int id, const geometry::Pose& T_W_S, std::shared_ptr<const geometry::DistanceField> field = nullptr);
 
   /// @param information  of (x, y, z, yaw) of the error expressed in frame a; may be semi-definite

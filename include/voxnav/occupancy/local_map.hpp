@@ -16,24 +16,24 @@
 
 namespace voxnav::occupancy {
 
-/// What one insertion did.
+/// Counts of one insertion.
 struct InsertStatistics {
   std::size_t points = 0;
   std::size_t rejected_not_finite = 0;
-  std::size_t rejected_too_near = 0;  ///< zero range included
-  std::size_t far = 0;                ///< beyond max_range_m: no hit
-  std::size_t outside_window = 0;     ///< within range but above or below the window: no hit
+  std::size_t rejected_too_near = 0;  ///< points nearer than min_range_m, those of zero range included
+  std::size_t far = 0;                ///< points beyond max_range_m, which are no hits
+  std::size_t outside_window = 0;     ///< points within range but above or below the window, which are no hits
   std::size_t cells_hit = 0;
   std::size_t cells_missed = 0;
-  std::size_t cells_occupied = 0;  ///< became occupied
-  std::size_t cells_freed = 0;     ///< became free
+  std::size_t cells_occupied = 0;  ///< voxels that became occupied
+  std::size_t cells_freed = 0;     ///< voxels that became free
   std::size_t cells_evicted = 0;   ///< known voxels that left the window
   std::size_t blocks_evicted = 0;
-  bool window_cleared = false;  ///< the pose jumped beyond the window
+  bool window_cleared = false;  ///< the pose jumped beyond the window, so that nothing of it could be kept
 };
 
-/// Worst state (occupied, unknown, free in this order) of all voxels that a body of the given radius touches on
-/// its way, and how far it gets before it touches the first one that is not known free.
+/// The worst state (occupied, unknown, free in this order) of all voxels that a ball touches along a segment, and the
+/// arc length before it touches the first voxel that is not known to be free.
 struct CorridorState {
   containers::State worst = containers::State::kFree;
   std::optional<double> first_bad_m;
@@ -45,8 +45,8 @@ struct NearestHit {
 };
 
 struct RayCast {
-  containers::State state = containers::State::kFree;  ///< of the voxel that stopped the ray; free = reached the end
-  double range_m = 0.0;                                ///< to where that voxel is entered, or the whole length
+  containers::State state = containers::State::kFree;  ///< state of the voxel that stopped the ray; free = none did
+  double range_m = 0.0;                                ///< range at which that voxel is entered, or the whole length
 };
 
 /// Rolling three-state occupancy octree around a sensor, frame O (or any fixed frame). Each scan gives each voxel
@@ -61,41 +61,42 @@ class LocalMap {
   LocalMap& operator=(LocalMap&&) noexcept;
 
   /// Moves the window to the sensor and inserts one scan.
-  /// @param points_L         hits, frame L; those that are not finite are left out and counted
-  /// @param T_W_L            the sensor in the frame of the map
-  /// @param no_return_directions_L  directions that returned nothing (any length but zero): no_return_range_m of them
-  /// is free
+  /// @param points_L         hits, frame L; points that are not finite are left out and counted
+  /// @param T_W_L            pose of the sensor in the frame of the map
+  /// @param no_return_directions_L  directions of beams without return (of any length but zero), along which
+  ///                         no_return_range_m is cleared
   /// @throws std::invalid_argument when the pose is not finite, not rigid or beyond the reach of voxel indices
   /// O(points + voxels crossed).
   InsertStatistics insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
                           const geometry::PointsView& no_return_directions_L = {});
-  /// Voxels whose centre lies within `radius_m` become free unless they are occupied: the vehicle stands there.
+  /// Marks voxels whose centre lies within `radius_m` as free unless they are occupied, because the vehicle is there.
   std::size_t mark_free(const geometry::Vec3& center, double radius_m);
-  /// Sets voxels to log-odds from elsewhere, for example another map; those outside the window are left out. Nothing is
-  /// known of hit points inside them. Returns how many were set.
+  /// Sets voxels to given log-odds, for example those of another map. Voxels outside the window are left out, and no
+  /// voxel gets hit statistics. Returns the number of voxels that were set.
   struct VoxelLogOdds {
     geometry::Vec3 point;
     double log_odds;
   };
   std::size_t assign(const std::vector<VoxelLogOdds>& voxels);
-  /// Puts the window around a place where the map is still empty.
+  /// Places the window of an empty map around a point.
   void place_window(const geometry::Vec3& center);
-  /// Everything becomes unknown; nothing is handed out.
+  /// Makes all voxels unknown. The content is discarded, and take_evicted() does not return it.
   void clear();
   /// @throws base::ConfigError unless free < occupied and both are probabilities
   void set_thresholds(double free_threshold, double occupied_threshold);
 
   containers::State state(const geometry::Vec3& point) const;
-  /// Log-odds of the voxel at a point; none outside the window and where no scan ever reached.
+  /// Returns the log-odds of the voxel at a point; nothing outside the window and in blocks that no scan ever reached.
   std::optional<double> log_odds(const geometry::Vec3& point) const;
-  /// Worst state of all voxels that a box touches. Unknown when any part lies outside the window.
+  /// Returns the worst state of all voxels that a box touches. What lies outside the window counts as unknown.
   containers::State box_state(const geometry::Aabb& box) const;
   CorridorState corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const;
-  /// From a towards b; stops at the first occupied voxel, and at unknown ones unless told to pass them.
+  /// Casts a ray from a to b, which stops at the first occupied voxel, and at unknown ones unless `pass_unknown` is
+  /// set.
   RayCast ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, bool pass_unknown) const;
   std::optional<NearestHit> nearest_occupied(const geometry::Vec3& point, double max_distance_m) const;
 
-  /// (x, y, z) rows; blocks in the order of their index, voxels in the order of theirs.
+  /// The lists have rows of x, y, z, ordered by the index of the block and then by the offset of the voxel in it.
   std::vector<float> occupied_points() const;
   std::vector<float> centers_above(double probability) const;
   std::vector<float> centers_below(double probability) const;
@@ -109,20 +110,21 @@ class LocalMap {
   void for_known(const std::function<void(const KnownVoxel&)>& visit) const;
 
   MapContent content() const;
-  /// The same, after which own hits of the content are counted anew. What is known, and what is believed, stay.
+  /// Returns content() and begins a new submap: observations are counted from here on, and all earlier ones count as
+  /// remembered. The states and surface points of the map itself do not change.
   MapContent hand_over();
-  /// What left the window since the last call. Bounded by max_evicted_blocks.
+  /// Returns the content that left the window since the last call, at most max_evicted_blocks blocks.
   MapContent take_evicted();
   std::size_t num_evicted_pending() const;
   std::size_t num_evicted_dropped() const;
-  /// Blocks whose states changed since the last call; a snapshot when nobody asked for so long that the changes were
-  /// given up.
+  /// Returns the blocks whose states changed since the last call; a snapshot if the last call is so long ago that the
+  /// record of removed blocks does not reach back to it.
   containers::GridUpdate take_changes();
-  /// Rises with every call that may change the map.
+  /// The sequence number of the map, which rises with every call that may change it.
   std::uint64_t sequence() const;
-  /// Blocks whose states changed after the map had the given sequence; a snapshot for 0, for a sequence this map never
-  /// had, and where changes that old were given up. Any number of readers may keep a sequence each, so that none of
-  /// them is ever sent what it has.
+  /// Returns the blocks whose states changed after the map had the given sequence number. It is a snapshot for 0, for a
+  /// number that this map never had, and if the record of removed blocks does not reach back so far. Any number of
+  /// readers may each keep the sequence number of their last update, so that none of them is sent what it already has.
   containers::GridUpdate changes_since(std::uint64_t sequence) const;
   containers::GridUpdate snapshot() const;
 

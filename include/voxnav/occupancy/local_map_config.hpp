@@ -67,9 +67,11 @@ struct LocalMapConfig {
   }
   std::vector<std::string> problems() const;
 
-  /// Blocks along each axis of the window, always odd: the sensor stays in or next to the middle one.
+  /// The number of blocks along each axis of the window. It is always odd, and the sensor stays in or next to the
+  /// middle block.
   std::array<int, 3> window_blocks() const;
-  /// Upper bound of what a map of this configuration can ever allocate, beside some bytes per point of a scan.
+  /// The upper bound of the memory that a map of this configuration can allocate, without some bytes for each point of
+  /// a scan.
   double worst_case_bytes() const;
 };
 

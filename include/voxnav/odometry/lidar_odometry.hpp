@@ -85,7 +85,7 @@ struct OdometryCounters {
 /// Frame O starts at the first position of the body with heading zero, and upright when the IMU shows where up is.
 /// When a registration cannot be trusted the pose follows the prediction, the covariance grows and the state says so,
 /// so that the pose never jumps to a place for which nothing speaks. Not thread-safe; deterministic.
-/// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III; docs/maths/odometry.md has the formulas and what differs.
+/// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III; docs/maths/odometry.md has the formulas and the differences.
 class LidarOdometry {
  public:
   /// @param T_B_L  pose of the LiDAR in the body frame, in whose axes IMU samples are given
@@ -100,8 +100,7 @@ class LidarOdometry {
 
   /// Finds the pose at which a cloud was taken.
   /// @param stamp_ns  start of the sweep. Stamps must grow: an older one is refused, and one that is older by more than
-  /// a
-  ///                  second is taken for a clock that was set anew
+  ///                  a second is taken for a clock that was set anew
   /// @param points_L  points in frame L, not deskewed; those that are not finite are dropped and counted
   /// @param times_s   time of each point after the stamp; empty when all points were taken at the stamp
   /// @throws std::invalid_argument when times_s has another length than points_L

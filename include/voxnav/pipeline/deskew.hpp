@@ -15,14 +15,14 @@ struct SweepMotion {
   std::uint32_t duration_ns = 0;
 };
 
-/// The pose halfway through the sweep.
+/// Returns the pose of the sensor halfway through the sweep.
 geometry::Pose middle_of(const SweepMotion& motion);
 
-/// Moves points of a spinning sensor, each in the sensor frame of its own time, to the sensor frame halfway through the
-/// sweep, in place. Motion is taken as linear in position and slerp in rotation, in kDeskewSteps steps. Points that are
-/// not finite stay so. O(points).
-/// @param time_offsets_ns  one per point, after the start of the sweep
-/// @throws std::invalid_argument when there are not as many times as points
+/// Deskews points in place: moves each point from the sensor frame at its own time to the sensor frame halfway through
+/// the sweep. The motion is interpolated linearly in position and by slerp in rotation, in kDeskewSteps steps. Points
+/// that are not finite stay so. O(points).
+/// @param time_offsets_ns  time of each point after the start of the sweep
+/// @throws std::invalid_argument if there are not as many times as points
 void deskew(const geometry::MutablePointsView& points, const std::vector<std::uint32_t>& time_offsets_ns,
             const SweepMotion& motion);
 constexpr int kDeskewSteps = 64;

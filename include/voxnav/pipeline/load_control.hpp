@@ -24,17 +24,18 @@ struct LoadControlConfig {
   }
 };
 
-/// Which points of a scan are used when there is too little time for all: every second, fourth, eighth. Scans are
-/// dropped only after that, by whoever queues them. Decides by durations it is told; reads no clock.
+/// Chooses which points of a scan are used if there is too little time for all: every second, fourth or eighth one.
+/// Only if that is not enough, the queue of scans drops some. The decision follows from durations that the caller
+/// measures.
 class LoadControl {
  public:
   /// @throws base::ConfigError
   explicit LoadControl(const LoadControlConfig& config);
 
-  /// Work on the last scan, and the time since the one before; unusable numbers are ignored.
+  /// Adds the duration of the work on the last scan, and the time since the scan before; unusable numbers are ignored.
   void add(double work_s, double period_s);
   int decimation() const { return decimation_; }
-  /// Keeps every n-th row of `columns` numbers.
+  /// Keeps every n-th row of an array with rows of `columns` numbers.
   template <class Number>
   void thin_out(std::size_t columns, std::vector<Number>* rows) const;
 

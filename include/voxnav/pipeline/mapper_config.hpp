@@ -10,7 +10,7 @@
 
 namespace voxnav::pipeline {
 
-/// How sweeps are put into the local map; the parts of the pipeline have configurations of their own.
+/// Parameters of Mapper; the parts of the pipeline have configurations of their own.
 struct MapperConfig {
   bool use_deskew = true;
   int max_pending_scans = 5;
@@ -20,9 +20,10 @@ struct MapperConfig {
   occupancy::LocalMapConfig map;
   SubmapSchedulerConfig submap;
   LoadControlConfig load;
-  /// LiDAR odometry of the mapper's own gives the poses; none: they come from elsewhere.
+  /// If set, the mapper's own LiDAR odometry estimates the poses; else they are added from elsewhere.
   std::optional<odometry::LidarOdometryConfig> odometry;
-  /// Id of the first submap; none: the seconds of its first stamp, so that a restarted node goes on with new ids.
+  /// Id of the first submap; if not set, the seconds of its first stamp, so that a restarted node continues with new
+  /// ids.
   std::optional<std::uint32_t> first_submap_id;
 
   template <class V>

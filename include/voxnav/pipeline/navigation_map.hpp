@@ -40,8 +40,8 @@ struct NavigationMapConfig {
   std::vector<std::string> problems() const;
 };
 
-/// What the planner flies by, in the odometry frame O: the local map as it is, obstacles of the global map through
-/// T_W_O, altitude limits of the map frame, and the vehicle's own place. Thread-safe; views are snapshots.
+/// The map by which the planner flies, in the odometry frame O: the local map as it is, the obstacles of the global map
+/// through T_W_O, the altitude limits of the map frame, and the vehicle's own place. Thread-safe; views are snapshots.
 class NavigationMap {
  public:
   /// @throws base::ConfigError
@@ -49,29 +49,29 @@ class NavigationMap {
 
   enum class Applied {
     kApplied,
-    kNeedsSnapshot,  ///< a message was missed, or nothing came before a change: ask for a snapshot
-    kIgnored         ///< older than what is here
+    kNeedsSnapshot,  ///< a message was missed, or changes came before any snapshot: a snapshot has to be requested
+    kIgnored         ///< the update is older than the grid
   };
   friend constexpr auto words_of(Applied) { return std::array{"applied", "needs_snapshot", "ignored"}; }
-  /// @param sequence of the message; changes must follow each other without a gap
-  /// @throws std::invalid_argument when the update does not fit itself, or resolution_m is not positive
+  /// @param sequence  sequence number of the message; the numbers of changes must follow each other without a gap
+  /// @throws std::invalid_argument if the lengths of the update do not match, or resolution_m is not positive
   Applied apply_local(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
   Applied apply_obstacles(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
 
   void set_T_W_O(const geometry::Pose& T_W_O);
   void set_vehicle(const geometry::Vec3& position_O);
-  /// Forgets both grids: after a restart of their source or a jump of the clock.
+  /// Forgets both grids; to be called after a restart of their source or a jump of the clock.
   void clear_local();
   void clear_obstacles();
 
-  /// Null until there are a local map, a vehicle and T_W_O.
+  /// Returns a snapshot; null until there are a local map, a vehicle position and T_W_O.
   std::shared_ptr<const planning::OccupancyView> view() const;
 
  private:
   struct Layer {
     std::shared_ptr<containers::StateGrid> grid;
     std::uint32_t sequence = 0;
-    int num_ignored = 0;  ///< in a row; many mean that the source has started anew
+    int num_ignored = 0;  ///< updates ignored in a row; many mean that the source was restarted
     Applied apply(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
   };
 

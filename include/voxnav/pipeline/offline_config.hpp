@@ -12,7 +12,7 @@ namespace voxnav::pipeline {
 enum class PoseSource { kAuto, kRecording, kLidar };
 constexpr auto words_of(PoseSource) { return std::array{"auto", "recording", "lidar"}; }
 
-/// What the offline runner (scripts/map_bag) needs to know beside the parts it runs.
+/// Parameters of the offline runner (scripts/map_bag) beside those of the parts that it runs.
 struct OfflineConfig {
   std::string cloud_topic;
   std::string odometry_topic;

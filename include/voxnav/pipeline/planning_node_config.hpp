@@ -8,7 +8,7 @@
 
 namespace voxnav::pipeline {
 
-/// What the planning_manager node decides around the planning manager: frames, rates, services, heartbeats.
+/// Parameters of the planning_manager node around the planning manager: frames, rates, services and heartbeats.
 struct PlanningNodeConfig {
   std::string map_frame = "map";
   bool use_map_correction = true;

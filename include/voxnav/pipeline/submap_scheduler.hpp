@@ -33,46 +33,47 @@ struct SubmapSchedulerConfig {
   }
 };
 
-/// What the local map hands to the global map (msg/Handover.msg).
+/// The content and the poses that the local map hands over for a submap (msg/Handover.msg).
 struct Handover {
   std::uint32_t submap_id = 0;
-  bool is_final = true;                               ///< false: early content of a submap that is still open
+  bool is_final = true;                               ///< false for early content of a submap that is still open
   std::string reason;                                 ///< time, distance, estimator, odometry, window, shutdown
-  base::StampNs start_ns = 0;                         ///< first scan inside
-  base::StampNs stamp_ns = 0;                         ///< newest scan inside
+  base::StampNs start_ns = 0;                         ///< stamp of the first scan
+  base::StampNs stamp_ns = 0;                         ///< stamp of the newest scan
   geometry::Pose T_O_S = geometry::Pose::Identity();  ///< gravity-aligned
   std::vector<geometry::StampedPose> poses;           ///< T_S_B, rising stamps
   occupancy::MapContent content;                      ///< frame O
 };
 
-/// Decides when a submap closes and gathers what belongs to it. A submap opens with the first scan after the last
+/// Decides when a submap closes and collects its content and poses. A submap opens with the first scan after the last
 /// one closed. Not thread-safe.
 class SubmapScheduler {
  public:
-  /// @param first_id of the first submap; none = the seconds of its first stamp, so that a restarted node goes on
-  ///        with ids that nobody has seen yet (submaps are longer than a second)
+  /// @param first_id  id of the first submap; if not set, the seconds of its first stamp, so that a restarted node
+  ///                  continues with unused ids (submaps are longer than a second)
   explicit SubmapScheduler(const SubmapSchedulerConfig& config, std::optional<std::uint32_t> first_id = 0);
 
-  /// Call after each inserted scan. A scan that is not newer than the last one is ignored.
-  /// @return why the open submap is to be closed now, nothing if it stays open
+  /// Adds a scan; to be called after each insertion. A scan that is not newer than the last one is ignored.
+  /// @return why the open submap has to be closed now; nothing if it stays open
   std::optional<std::string> add_scan(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
-  /// The odometry is in doubt: the next add_scan() closes, unless the submap is younger than min_period_s.
+  /// Requests that the next add_scan() closes the open submap, because the odometry is in doubt. A submap younger than
+  /// min_period_s is not closed.
   void request_close(const std::string& reason);
-  /// Content that left the window while the submap is open.
+  /// Adds content that left the window while the submap is open.
   void add_evicted(const occupancy::MapContent& content);
 
-  /// The two steps above with a map, as nodes and the offline runner use them: takes what left its window, and closes
-  /// over its content when due. Call after each insertion.
-  /// @return what is to be handed over now, oldest first
+  /// Combines the steps above for a map: adds a scan, takes the content that left the window of the map, and closes the
+  /// submap with the content of the map if it is due. To be called after each insertion.
+  /// @return handovers that are due, oldest first
   std::vector<Handover> add_scan(occupancy::LocalMap* map, base::StampNs stamp_ns, const geometry::Pose& T_O_B);
-  /// Closes what is open, at the end of a run, before the map is cleared, or after it was.
+  /// Closes the open submap; to be called at the end of a run, and before or after the map is cleared.
   std::vector<Handover> finish(occupancy::LocalMap* map, const std::string& reason);
 
   bool is_open() const { return !poses_.empty(); }
   std::uint32_t submap_id() const { return submap_id_.value_or(0); }
-  /// Early content, once there is more of it than max_early_blocks.
+  /// Returns a handover of early content, once there is more of it than max_early_blocks.
   std::optional<Handover> take_early();
-  /// Closes the open submap over the map's content, to which what left the window is added. Nothing if none is open.
+  /// Closes the open submap with the content of the map and the content that left its window. Nothing if none is open.
   std::optional<Handover> close(const std::string& reason, occupancy::MapContent content);
   /// Forgets the open submap.
   void discard();
@@ -82,7 +83,7 @@ class SubmapScheduler {
   void keep_pose(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
 
   SubmapSchedulerConfig config_;
-  std::optional<std::uint32_t> submap_id_;  ///< none before the first scan, if the stamp is to give it
+  std::optional<std::uint32_t> submap_id_;  ///< not set before the first scan if the id follows from its stamp
   geometry::Pose T_O_S_ = geometry::Pose::Identity();
   std::vector<geometry::StampedPose> poses_;  ///< T_O_B
   geometry::StampedPose newest_;

@@ -14,29 +14,30 @@ class PoseBuffer;
 
 namespace voxnav::pipeline {
 
-/// Where sensor and body were during a sweep.
+/// The poses of sensor and body during a sweep.
 struct SweepPoses {
-  SweepMotion motion;                                 ///< duration 0: the sweep is taken to be seen from one place
-  geometry::Pose T_O_B = geometry::Pose::Identity();  ///< halfway through the sweep
+  SweepMotion motion;                                 ///< motion of the sensor; with duration 0 it stood still
+  geometry::Pose T_O_B = geometry::Pose::Identity();  ///< pose of the body halfway through the sweep
 };
 
-/// What is known of a sweep's poses. Nothing is ever assumed about a pose.
+/// The poses of a sweep, or why they are not known. A pose that is not known is never assumed.
 struct SweepLocation {
   enum class Status {
     kKnown,
-    kNotYet,  ///< a later pose may tell
-    kNever,   ///< every later pose is too late for it
+    kNotYet,  ///< a later pose may make them known
+    kNever,   ///< all later poses are too late for them
   };
   Status status = Status::kNotYet;
-  SweepPoses poses;     ///< if known
-  std::string problem;  ///< why they are not known
+  SweepPoses poses;     ///< if known: the poses
+  std::string problem;  ///< if not known: why
 };
 
-/// Tells poses of sweeps, from whatever source.
+/// The interface of a source of poses of sweeps.
 class SweepLocator {
  public:
   virtual ~SweepLocator() = default;
-  /// @param duration_ns  of the motion that is asked for; 0 = as if the whole sweep were taken at its start
+  /// Returns the poses of a sweep.
+  /// @param duration_ns  duration of the sweep; 0 = the whole sweep is taken to be seen at its start
   virtual SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const = 0;
 };
 

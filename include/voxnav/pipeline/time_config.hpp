@@ -8,7 +8,7 @@
 
 namespace voxnav::pipeline {
 
-/// Section `time` of every node: whether time is real, or a simulation's that waits for the nodes.
+/// Section `time` of every node: whether time is real, or that of a simulation that waits for the nodes.
 struct TimeConfig {
   bool waits_for_simulation = false;
   std::vector<std::string> consumers{};

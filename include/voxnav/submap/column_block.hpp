@@ -8,8 +8,8 @@
 
 namespace voxnav::submap {
 
-/// One bit per voxel of a block: for each column x + 16 y a word with bit z. Submaps turn about the vertical only, so
-/// that columns stay columns and sixteen voxels are moved at once.
+/// One bit for each voxel of a block: bit z of the word of column x + 16 y. As submaps rotate about the vertical only,
+/// columns stay columns, and sixteen voxels are moved at once.
 using Columns = std::array<std::uint16_t, geometry::kBlockSide * geometry::kBlockSide>;
 
 /// The states of a block as columns. A voxel is occupied, else free, else unknown.
@@ -26,7 +26,7 @@ struct ColumnBlock {
   bool all_unknown() const;
 };
 
-/// The same states with 2 bits per voxel, x fastest, as grids outside of submaps have them.
+/// Converts the states to 2 bits per voxel, x fastest, the form of grids outside of submaps.
 containers::StateBlock to_states(const ColumnBlock& block);
 ColumnBlock to_columns(const containers::StateBlock& states);
 

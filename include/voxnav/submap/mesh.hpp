@@ -13,42 +13,44 @@ namespace voxnav::submap {
 using Color = std::array<std::uint8_t, 3>;
 
 struct Mesh {
-  std::vector<geometry::Vec3f> vertices;                ///< m
+  std::vector<geometry::Vec3f> vertices;                ///< positions, m
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from free space
-  std::vector<Color> colors;                            ///< per vertex, or empty
+  std::vector<Color> colors;                            ///< one for each vertex, or empty
 
   /// Adds another mesh with its colours.
   void append(const Mesh& other);
 };
 
-/// Zero level of the stored distances of a submap, frame S. Only cubes whose eight corners all have distances are
-/// looked at; those lie within two voxels of occupied ones, so that nothing floats at the edge of what is known.
-/// Stops at max_triangles. Closed wherever the stored distances are. O(stored distances).
-/// Source: Lorensen & Cline 1987; polygons are traced along the faces with inside corners kept apart on ambiguous
-/// faces, which makes neighbouring cubes agree without a table of cases.
+/// Extracts the zero level of the distances near the surfaces of a submap, frame S. Only cubes whose eight corners all
+/// have distances are meshed; these lie within two voxels of occupied ones, so that no surface appears at the edge of
+/// the known space. Stops at max_triangles. O(distances near surfaces).
+/// Source: Lorensen & Cline, Marching Cubes, SIGGRAPH 1987; here polygons are traced along the faces with inside
+/// corners kept apart on ambiguous faces, which makes neighbouring cubes agree without a table of cases.
 Mesh extract_mesh(const Submap& submap, std::size_t max_triangles = 10000000);
 
-/// Zero level of the merged map in W, cubes of the given blocks only, so that a change costs what it touches and the
-/// meshes of neighbouring blocks meet. What newer evidence has removed is not in it, and nothing is in it twice.
-/// Coloured by height. Stops at max_triangles. O(surface points of the blocks and around them).
+/// Extracts the zero level of the merged map in W for the cubes of the given blocks, so that only changed blocks have
+/// to be meshed again; the meshes of neighbouring blocks meet. Surfaces that newer evidence has removed are not in it,
+/// and no surface is in it twice. Coloured by height. Stops at max_triangles. O(surface points of the blocks and around
+/// them).
 Mesh extract_mesh(const EvidenceMap& evidence, const std::vector<geometry::Index3>& blocks,
                   std::size_t max_triangles = 10000000);
 
-/// The same of the whole map, brought up to date first.
+/// Brings the merged map up to date and extracts its whole mesh.
 Mesh extract_mesh(SubmapCollection* collection, std::size_t max_triangles = 10000000);
 
-/// Same id, same colour; neighbouring ids differ clearly.
+/// Returns the colour of an id; the colours of neighbouring ids differ clearly.
 Color color_of(std::uint32_t submap_id);
 
-/// Heights between which colours run from red over green to magenta; what is lower or higher has the colour of the end.
+/// The heights between which colours run from red over green to magenta; below and above the colour is that of the end.
 struct HeightScale {
   double min_m = -4.0;
   double max_m = 12.0;
 };
-/// The rainbow of rviz' point clouds that are coloured by an axis, so that both agree where their bounds do.
+/// Returns the colour that rviz gives to a point of a cloud coloured by an axis, so that meshes and clouds look alike
+/// if their bounds are the same.
 Color color_of_height(double z_m, const HeightScale& scale = {});
 
-/// Binary little-endian PLY.
+/// Writes a mesh as binary little-endian PLY.
 std::string to_ply(const Mesh& mesh);
 
 }  // namespace voxnav::submap

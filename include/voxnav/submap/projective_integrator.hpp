@@ -13,13 +13,13 @@ namespace voxnav::submap {
 
 /// Which rays of a scan are cast.
 enum class RayRule {
-  kSimple,  ///< one per point
-  kMerged,  ///< one per end voxel
-  kFast     ///< one per half voxel, and only through voxels not yet seen in this scan
+  kSimple,  ///< one ray for each point
+  kMerged,  ///< one ray for each end voxel
+  kFast     ///< one ray for each half voxel, and only through voxels that no other ray of the scan crossed
 };
 constexpr auto words_of(RayRule) { return std::array{"simple", "merged", "fast"}; }
 
-/// How much a point counts, by its range.
+/// How the weight of a point depends on its range.
 enum class RangeWeighting { kConstant, kInverseSquare };
 constexpr auto words_of(RangeWeighting) { return std::array{"constant", "inverse_square"}; }
 
@@ -59,18 +59,19 @@ struct ProjectiveConfig {
   std::vector<std::string> problems() const;
 };
 
-/// Truncated signed distances along rays. For comparison with the occupancy filling and for sensors without a local
-/// map; it overestimates at grazing angles and rays outvote thin things, unless anti-grazing is on.
-/// Source: Curless & Levoy 1996; rules and weights as in Oleynikova et al. 2017 (Voxblox), section IV; range weight by
-/// the true range, not by z. Deterministic. Not thread-safe.
+/// Fuses truncated signed distances along rays (TSDF), for comparison with submaps made from occupancy and for sensors
+/// without a local map. Distances are too large at grazing angles, and rays outvote thin things unless anti-grazing is
+/// on. Deterministic. Not thread-safe.
+/// Source: Curless & Levoy, SIGGRAPH 1996, equations 1 and 2; rules and weights as in Oleynikova et al., Voxblox, IROS
+/// 2017, section IV, but with the range weight by the true range, not by z.
 class ProjectiveIntegrator {
  public:
   struct Counts {
     std::size_t points = 0;
-    std::size_t dropped = 0;  ///< not finite or too near
+    std::size_t dropped = 0;  ///< points that are not finite or too near
     std::size_t rays = 0;
-    std::size_t voxels = 0;   ///< updates
-    std::size_t refused = 0;  ///< updates refused because max_blocks are open
+    std::size_t voxels = 0;   ///< voxel updates
+    std::size_t refused = 0;  ///< voxel updates refused because max_blocks blocks exist
   };
 
   explicit ProjectiveIntegrator(const ProjectiveConfig& config);
@@ -78,17 +79,19 @@ class ProjectiveIntegrator {
   ProjectiveIntegrator(ProjectiveIntegrator&&) noexcept;
   ProjectiveIntegrator& operator=(ProjectiveIntegrator&&) noexcept;
 
-  /// Fuse one scan. @param points_L sensor frame, m; n may be 0  @param T_S_L pose at scan time
+  /// Fuses one scan.
+  /// @param points_L  points in the sensor frame, m; there may be none
+  /// @param T_S_L     pose of the sensor at scan time
   /// @throws std::invalid_argument on an invalid pose
   /// @complexity O(rays * range / voxel)
   Counts integrate(const std::vector<geometry::Vec3f>& points_L, const geometry::Pose& T_S_L);
 
-  /// Distance and weight at the centre of a voxel; false where nothing was fused.
+  /// Reads distance and weight at the centre of a voxel; returns false if nothing was fused there.
   bool voxel(const geometry::Index3& index, float* distance_m, float* weight) const;
 
-  /// Freezes what was fused; voxels that the surface passes become occupied, those in front free, those behind stay
-  /// unknown. The integrator is empty afterwards.
-  /// @param T_S_G frame of the poses that integrate() was given (its S) in the frame of the submap
+  /// Makes a submap of the fused distances. Voxels through which the surface passes become occupied, those in front of
+  /// it free, and those behind it stay unknown. The integrator is empty afterwards.
+  /// @param T_S_G  frame S of the poses given to integrate(), in the frame of the submap
   std::shared_ptr<Submap> finish(const SubmapConfig& config, const geometry::Pose& T_S_G = geometry::Pose::Identity());
 
  private:

@@ -10,12 +10,12 @@
 
 namespace voxnav::submap {
 
-/// What a submap is registered by: distances to what it observed itself, without what its local map remembered, since
-/// two submaps that inherited the same memory fit each other wherever odometry put them. Observed only within the band
-/// around its surfaces. The submap itself where its distances were measured by rays, which remember nothing.
-/// Frozen; thread-safe. O(size of the submap).
-/// @param T_S_B  where the sensor was during the submap, by rising stamps: with it, things that are seen from one side
-/// (trunks, branches) lie where their middles are; without, where they were hit
+/// Returns the distance field by which a submap is registered to others. It holds the distances to the surface points
+/// that the submap observed, without what its local map remembered: two submaps that inherit the same content fit each
+/// other wherever odometry put them. It is defined only within the band around these surfaces. A submap whose distances
+/// were measured by rays is its own field, as it remembers nothing. Immutable; thread-safe. O(size of the submap).
+/// @param T_S_B  poses of the sensor during the submap, by rising stamps. With them, things that are seen from one side
+///               (trunks, branches) are registered by their middles, without them by the side that was hit
 std::shared_ptr<const geometry::DistanceField> registration_field(const std::shared_ptr<const Submap>& submap,
                                                                   const std::vector<geometry::StampedPose>& T_S_B = {});
 

@@ -19,9 +19,10 @@ struct SceneChange {
   std::uint32_t submap_id = 0;  ///< the newest submap that shows the change
 };
 
-/// Connected groups (26 neighbours) of at least `min_voxels` voxels that lost their surface to newer free space, or got
-/// one where older submaps had seen free space and have no surface beside it (which would be noise of a pose).
-/// Appeared first, each kind in the order of its first voxel. O(changed voxels).
+/// Lists what appeared or disappeared: connected groups (26 neighbours) of at least `min_voxels` voxels whose surface
+/// was removed by newer free space, or whose surface is new where older submaps observed free space and have no surface
+/// beside it (which would hint at an error of a pose). What appeared comes first, each kind in the order of its first
+/// voxel. O(changed voxels).
 std::vector<SceneChange> scene_changes(const EvidenceMap& evidence, std::size_t min_voxels);
 
 }  // namespace voxnav::submap

@@ -44,23 +44,24 @@ struct SubmapCollectionConfig {
   }
 };
 
-/// A submap with what is known about how it was made.
+/// A submap with its time span, its poses and its pose history.
 struct SubmapEntry {
   std::uint32_t id = 0;
-  std::uint32_t flight = 0;  ///< later flights are newer, whatever their clocks said
+  std::uint32_t flight = 0;  ///< number of the flight; later flights are newer, whatever their stamps are
   base::StampNs start_ns = 0;
   base::StampNs end_ns = 0;
   geometry::Pose T_O_S = geometry::Pose::Identity();
-  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< pose of its middle, as the graph has it
+  geometry::Pose T_W_S = geometry::Pose::Identity();  ///< optimised pose, which holds for the middle of its time
   geometry::Bend bend;
   std::vector<geometry::StampedPose> T_S_B;  ///< pose history
   std::shared_ptr<const Submap> submap;
 };
 
-/// All finished submaps and what they say together in the map frame W. A submap says what it observed itself: what its
-/// local map remembered was observed by submaps before it, which say so where they lie now. Where the one before it is
-/// absent (after a restart, or beyond a limit) its memory counts too, in blocks of which no older submap knows anything
-/// and no other one observed anything: memory that lies wrong would stand beside what is right. Not thread-safe.
+/// All finished submaps and the map merged from them in the frame W. A submap contributes what it observed itself: the
+/// content that its local map remembered was observed by submaps before it, which contribute it where they lie now. If
+/// the submap before it is absent (after a restart, or beyond a limit), its remembered content counts too, but only in
+/// blocks of which no older submap knows anything and which no other submap observed, since remembered content in the
+/// wrong place would stand beside the right one. Not thread-safe.
 class SubmapCollection {
  public:
   explicit SubmapCollection(const SubmapCollectionConfig& config);
@@ -68,65 +69,73 @@ class SubmapCollection {
   SubmapCollection(SubmapCollection&&) noexcept;
   SubmapCollection& operator=(SubmapCollection&&) noexcept;
 
-  /// Replaces a submap of the same id. Age is the flight, then the end stamp, then the id.
+  /// Adds a submap, which replaces one of the same id. Submaps are ordered by age: the flight, then the end stamp, then
+  /// the id.
   /// @throws std::invalid_argument without a submap or with an invalid pose
   void add(SubmapEntry entry);
-  /// Moves a submap. @param bend  what drift did to it while it was made
-  /// @return false when there is no such submap
+  /// Moves a submap.
+  /// @param bend  drift within the submap
+  /// @return false if there is no such submap
   bool set_pose(std::uint32_t id, const geometry::Pose& T_W_S, const geometry::Bend& bend = {});
   bool remove(std::uint32_t id);
   void clear();
 
   const SubmapEntry* find(std::uint32_t id) const;
-  /// Oldest first.
+  /// Returns all submaps, oldest first.
   std::vector<const SubmapEntry*> entries() const;
-  /// Null when there is none.
+  /// Returns the newest submap; null if there is none.
   const SubmapEntry* newest() const;
   std::size_t size() const;
   std::uint64_t num_dropped() const;
 
-  /// Brings the merged evidence up to date. Cost follows the submaps that are new or moved: O(their blocks * submaps
+  /// Brings the merged map up to date. The cost depends on the submaps that are new or moved: O(their blocks * submaps
   /// that overlap there). @return blocks that changed, sorted
   std::vector<geometry::Index3> update();
-  /// As of the last update().
+  /// The merged map as of the last update().
   const EvidenceMap& evidence() const;
 
-  // The queries below bring the evidence up to date first.
+  // The queries below bring the merged map up to date first.
 
   /// Believed surface points [m, frame W], by blocks.
   std::vector<geometry::Vec3f> occupied_points();
   containers::StateGrid obstacles(double safety_distance_m);
   containers::State state(const geometry::Vec3& p_W);
-  /// Distance to the nearest believed surface point, at most max_distance_m; nothing where W is unknown.
+  /// Returns the distance to the nearest believed surface point, at most max_distance_m; nothing where the map is
+  /// unknown.
   std::optional<double> distance(const geometry::Vec3& p_W, double max_distance_m);
-  /// Unit vector away from that surface, zero when none is that near; nothing where W is unknown.
+  /// Returns the unit vector away from the nearest believed surface point, zero if none is within max_distance_m;
+  /// nothing where the map is unknown.
   std::optional<geometry::Vec3> gradient(const geometry::Vec3& p_W, double max_distance_m);
-  /// First voxel on the way from a to b that is not known to be free.
+  /// The first voxel on the segment from a to b that is not known to be free.
   struct Ray {
-    containers::State state = containers::State::kFree;  ///< free = all of the way is
-    double distance_m = 0.0;                             ///< from a to that voxel, or to b
+    containers::State state = containers::State::kFree;  ///< state of that voxel; free = the whole segment is free
+    double distance_m = 0.0;                             ///< distance from a to that voxel, or to b
   };
   /// @throws std::invalid_argument unless both ends are finite and less than 10 km apart
   Ray cast_ray(const geometry::Vec3& a_W, const geometry::Vec3& b_W);
-  /// Things that appeared or disappeared between submaps; see scene_changes().
+  /// Lists what appeared or disappeared between submaps; see scene_changes().
   std::vector<SceneChange> changes(std::size_t min_voxels = 10);
 
-  /// Takes the submaps of another map over, as newer flights; their ids are shifted behind the ones here.
-  /// @return what was added to their ids  @throws std::invalid_argument on another resolution or an invalid pose
+  /// Takes over the submaps of another map as newer flights. Their ids are shifted behind those of this map.
+  /// @return number that was added to their ids
+  /// @throws std::invalid_argument on another resolution or an invalid pose
   std::uint32_t merge(const SubmapCollection& other, const geometry::Pose& T_W_other);
-  /// How many submaps are in memory; the others rest in page_dir.
+  /// The number of submaps in memory; the others are in page_dir.
   std::size_t num_resident() const;
 
   const SubmapCollectionConfig& config() const;
   std::size_t memory_bytes() const;
 
-  /// Writes every submap and an index into `directory`. Each file is written beside its name, synced and renamed, the
-  /// index last, so that a crash leaves the state before. @throws std::runtime_error naming file and reason
+  /// Saves every submap and an index to `directory`. Each file is written under another name, synced and renamed, the
+  /// index last, so that a crash leaves the map that was saved before.
+  /// @throws std::runtime_error naming file and reason
   void save(const std::string& directory) const;
-  /// @param problems  null: whatever is broken throws; else it is left out and described there, also parts of the index
-  /// @param config  null: as saved; else these settings, limits and page_dir above all
-  /// @throws std::invalid_argument or std::runtime_error when the index is absent, nothing of it is intact, or the
-  /// voxels of the configuration are not those of the map
+  /// Loads a saved map.
+  /// @param problems  receives a description of each broken submap or part of the index, which is left out; with null
+  ///                  anything broken throws
+  /// @param config    settings to use instead of the saved ones, such as limits and page_dir; null = the saved ones
+  /// @throws std::invalid_argument or std::runtime_error if the index is absent, nothing of it is intact, or the
+  ///         resolution of `config` is not that of the map
   static SubmapCollection load(const std::string& directory, std::vector<std::string>* problems = nullptr,
                                const SubmapCollectionConfig* config = nullptr);
 

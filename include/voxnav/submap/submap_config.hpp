@@ -5,7 +5,7 @@
 
 namespace voxnav::submap {
 
-/// How a submap is made from occupancy and how its distances are kept.
+/// Parameters of a submap and its distances.
 struct SubmapConfig {
   double band_voxels = 3.0;
   double max_distance_m = 10.0;

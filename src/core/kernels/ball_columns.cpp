@@ -13,29 +13,31 @@ using namespace lanes;  // NOLINT: the vector types of this file
 
 constexpr int kSide = kColumnWindowSide;
 
-/// Bits low to high of each lane, none when low > high; from 0 to 30, where low is high + 1 at most and not 31.
+/// Returns a mask of the bits low to high in each lane, which is empty if low > high. Bits are from 0 to 30; low is at
+/// most high + 1 and not 31.
 template <bool kIsWide>
 VOXNAV_INLINE Words bits_from_to(Ints low, Ints high) {
   if (kIsWide) return (~Words{} << reinterpret_cast<Words>(low)) & ~((~Words{} - 1u) << reinterpret_cast<Words>(high));
-  // Older processors cannot shift lanes by different amounts: powers of two by way of the exponent of floats.
+  // Older processors cannot shift lanes by different amounts, so powers of two are made through the exponent of floats.
   const auto power = [](Ints k) {
     return reinterpret_cast<Words>(truncated(reinterpret_cast<Floats>((k + 127) << 23)));
   };
   return 2u * power(high) - power(low);
 }
 
-/// Of eight columns the voxels from ceil(z - h) to floor(z + h), h^2 = rest - dx^2.
+/// Returns, for eight columns, the voxels from ceil(z - h) to floor(z + h) with h^2 = rest - dx^2.
 template <bool kIsWide>
 VOXNAV_INLINE void add_eight(Floats squared_dx, float z, float rest, std::uint32_t* columns) {
   const Floats left = rest - squared_dx;
   const Floats half = exact_root(larger(left, Floats{}));
-  // What is cut off is above zero, so truncation is floor; the lower end never is above the voxel behind the upper one.
+  // The values are positive, so truncation is floor. The lower end is at most one voxel above the upper end.
   const Ints low = kSide - truncated((kSide - z) + half);
   const Words bits = bits_from_to<kIsWide>(low, truncated(z + half));
   store(loaded<Words>(columns) | (left > Floats{} ? bits : Words{}), columns);
 }
 
-/// Eights begin at the same columns for every ball: what one has just stored could not be loaded in other pieces.
+/// Groups of eight columns begin at the same columns for every ball: a load that overlaps two recent stores would have
+/// to wait for both.
 template <bool kIsWide>
 VOXNAV_INLINE void add_ball(const BallCenter& center, float squared_reach, std::uint32_t* columns) {
   constexpr int kMostEights = 3;

@@ -6,7 +6,7 @@
 
 namespace voxnav::kernels {
 
-/// A window of 32^3 voxels as columns of bits: bit z of word x + 32 y.
+/// A window of 32^3 voxels as columns of bits: voxel (x, y, z) is bit z of word x + 32 y.
 constexpr int kColumnWindowSide = 32;
 
 struct BallCenter {

@@ -8,8 +8,8 @@
 
 namespace voxnav::kernels {
 
-/// The pixels that each of eight balls touches: rows of `width`, `height` of them, `side` apart. What counts there are
-/// pixels of at least `least`.
+/// The pixels of the beam image that each of eight balls touches: `height` rows of `width` pixels, `side` pixels apart.
+/// Only pixels with a value of at least `least` count.
 struct BeamPlaces {
   std::array<const BeamPixel*, lanes::kLanes> first;
   alignas(32) std::int32_t width[lanes::kLanes], height[lanes::kLanes];
@@ -17,13 +17,13 @@ struct BeamPlaces {
   alignas(32) BeamPixel least[lanes::kLanes];
 };
 
-constexpr float kHalfDiagonal = 0.8661f;  ///< of a voxel, rounded up, voxel edges
-constexpr float kBallRadius = 0.6f;       ///< of the ball in which beams through a voxel are looked for, voxel edges
-constexpr int kMostFinePixels = 10;       ///< across a ball; the coarse image serves a larger one
+constexpr float kHalfDiagonal = 0.8661f;  ///< half the diagonal of a voxel, rounded up, voxel edges
+constexpr float kBallRadius = 0.6f;  ///< radius of the ball in which beams through a voxel are searched, voxel edges
+constexpr int kMostFinePixels = 10;  ///< a ball wider than this many fine pixels is looked up in the coarse image
 
-/// Balls around x y z (frame L) [m]; beams count when they are longer than `shortest_m`, to a step of the image's
-/// ranges. A ball across an edge of the cube has only the pixels of the face that its centre is on, and a ball that
-/// the sensor is in or beside touches nothing.
+/// Computes the pixels of balls around x y z (frame L) [m]. Beams count if they are longer than `shortest_m`, up to one
+/// range step of the image. A ball across an edge of the cube gets only the pixels of the face of its centre, and a
+/// ball that contains the sensor or lies right beside it gets none.
 VOXNAV_INLINE void find_places(const BeamImages& images, lanes::Floats x, lanes::Floats y, lanes::Floats z,
                                float radius_m, lanes::Floats shortest_m, BeamPlaces* out) {
   using namespace lanes;  // NOLINT: the vector types of this function
@@ -52,7 +52,8 @@ VOXNAV_INLINE void find_places(const BeamImages& images, lanes::Floats x, lanes:
   }
 }
 
-/// Bit i: pixel i, of kLanes in a row, is at least `least`. All of them are read, also those behind the row.
+/// Returns a mask in which bit i is set if pixel i of kLanes in a row is at least `least`. All kLanes pixels are read,
+/// also those behind the end of the row.
 VOXNAV_INLINE unsigned reaching(const BeamPixel* pixels, BeamPixel least) {
 #if defined(__SSE2__)
   const auto half = [&](const BeamPixel* from) {

@@ -29,8 +29,8 @@ inline void transpose_16(const std::uint16_t* rows, std::uint16_t* columns) {
 
 }  // namespace reference
 
-/// Number of set bits. The compiler's own builtin is a call where the popcnt instruction may not be used; where it may,
-/// compilers recognise this and use it.
+/// Returns the number of set bits. The compiler's builtin would be a function call in builds without the popcnt
+/// instruction; in builds with it, compilers recognise this code and use the instruction.
 VOXNAV_INLINE unsigned count_bits(std::uint64_t word) {
   word -= (word >> 1) & 0x5555555555555555u;
   word = (word & 0x3333333333333333u) + ((word >> 2) & 0x3333333333333333u);
@@ -47,7 +47,7 @@ VOXNAV_INLINE void for_each_bit(std::uint64_t word, F&& f) {
   }
 }
 
-/// Turns 16 rows of 16 bits into columns: bit i of columns[k] is bit k of rows[i].
+/// Transposes a matrix of 16 x 16 bits: bit i of columns[k] is bit k of rows[i].
 VOXNAV_INLINE void transpose_16(const std::uint16_t* rows, std::uint16_t* columns) {
 #if defined(__SSE2__)
   const __m128i first = _mm_loadu_si128(reinterpret_cast<const __m128i*>(rows));

@@ -16,7 +16,7 @@ using Shorts = std::int16_t __attribute__((vector_size(16)));
 constexpr float kCovarianceUnit = 1.0f / kCovarianceUnits;  // divisions are slow
 constexpr float kMostCovariance = 0.25f;
 
-/// Halves are rounded away from zero; std::lrint() is a call without -fno-math-errno.
+/// Rounds halves away from zero. std::lrint() would be a function call, as the build does not set -fno-math-errno.
 VOXNAV_INLINE Ints rounded(Floats value) {
   return truncated(value + (value < 0.0f ? Floats{} - 0.5f : Floats{} + 0.5f));
 }

@@ -24,7 +24,7 @@ VOXNAV_WIDE void add_wide(const ColumnRows& rows) { add(rows); }
 
 VOXNAV_INLINE void add_turned(const std::uint32_t* window, int row_length, const TurnedBlock& at,
                               std::uint16_t* block) {
-  const TurnedBlock b = at;  // the compiler then knows that the block does not overwrite it
+  const TurnedBlock b = at;  // a copy, so that the compiler knows that writing to the block does not change it
   const Ints lane = {0, 1, 2, 3, 4, 5, 6, 7};
   const Ints lanes_x = b.first.x + lane * b.right.x, lanes_y = b.first.y + lane * b.right.y;
   alignas(32) std::int32_t from[kLanes];

@@ -8,14 +8,14 @@
 /// Six square images around the sensor, one for each face of a cube: x, -x, y, -y, z, -z.
 namespace voxnav::kernels::cube_map {
 
-/// Where directions fall, eight at once.
+/// The positions of eight directions in a cube map.
 struct Projection {
   lanes::Ints face;
-  lanes::Floats u, v;   ///< pixels from the corner of the face
-  lanes::Floats scale;  ///< pixels per unit of length, across the direction
+  lanes::Floats u, v;   ///< position from the corner of the face, pixels
+  lanes::Floats scale;  ///< pixels for a unit of length at right angles to the direction
 };
 
-/// @param half_side  of a face, pixels
+/// @param half_side  half the side of a face, pixels
 VOXNAV_INLINE Projection project(lanes::Floats x, lanes::Floats y, lanes::Floats z, float half_side) {
   using namespace lanes;  // NOLINT: the vector types of this function
   const Ints is_y = absolute(y) > absolute(x);
@@ -27,7 +27,7 @@ VOXNAV_INLINE Projection project(lanes::Floats x, lanes::Floats y, lanes::Floats
   return {(is_z & 4) + (~is_z & is_y & 2) + ((a < 0.0f) & 1), b * scale + half_side, c * scale + half_side, scale};
 }
 
-/// The pixel of a coordinate, 0 to side - 1; that of NaN is the first.
+/// Returns the pixel of a coordinate, 0 to side - 1; the first one for NaN.
 VOXNAV_INLINE lanes::Ints pixel(lanes::Floats coordinate, int side) {
   using namespace lanes;  // NOLINT: the vector types of this function
   return truncated(smaller(larger(coordinate, Floats{}), Floats{} + static_cast<float>(side - 1)));

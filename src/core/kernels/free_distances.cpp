@@ -20,7 +20,7 @@ std::size_t at(int x, int y, int z) {
   return static_cast<std::size_t>((x + 1) + kTableSide * ((y + 1) + kTableSide * (z + 1)));
 }
 
-/// First and last of the voxel centres of the table within `reach` of c.
+/// Returns the first and the last voxel centre of the table within `reach` of c.
 struct Range {
   int first, last;
 };
@@ -30,7 +30,7 @@ VOXNAV_INLINE Range around(float c, float reach) {
   return {low < -1 ? -1 : low, high > kWindowBlockSide ? kWindowBlockSide : high};
 }
 
-/// The rows of each layer of the table in which anything is free: bit y + 1.
+/// Returns the rows of each layer of the table that contain free voxels: row y is bit y + 1.
 using FreeRows = std::array<std::uint32_t, kTableSide>;
 FreeRows rows_with_free(const VoxelWindow& window) {
   FreeRows out{};
@@ -42,8 +42,8 @@ FreeRows rows_with_free(const VoxelWindow& window) {
   return out;
 }
 
-/// Takes a point into the squared distances of the rows around it. Rows of a fixed length are a few vectors, which
-/// costs less than finding where the ball ends; where nothing is free, nobody asks.
+/// Updates the squared distances of the rows around a point. Rows are processed whole, as a few vectors, which costs
+/// less than finding where the ball ends in each row; rows without free voxels are skipped.
 template <int kVectors>
 VOXNAV_INLINE void splat(const VoxelWindow& window, const FreeRows& free, const WindowPoint& point, float band,
                          SquaredDistances* squared) {
@@ -90,7 +90,7 @@ VOXNAV_INLINE void splat_all(const VoxelWindow& window, float band, SquaredDista
   }
 }
 
-/// The distances of eight voxels in a row, where they are asked for.
+/// Writes the distances of those of eight voxels in a row that are free and near enough.
 VOXNAV_INLINE void store_codes(Floats distance, Ints which, float scale, std::int16_t* codes) {
   using Codes = std::int16_t __attribute__((vector_size(16)));
   const Floats code = smaller(distance / scale, Floats{} + kMostCode) + 0.5f;

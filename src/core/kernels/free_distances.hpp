@@ -8,18 +8,20 @@
 
 namespace voxnav::kernels {
 
-/// A block and one voxel around it: number x + 1 + 18 (y + 1) + 324 (z + 1), from -1 to 16 on every axis.
+/// The table of a block with a border of one voxel: voxel (x, y, z), from -1 to 16 on every axis, has the number
+/// x + 1 + 18 (y + 1) + 324 (z + 1).
 constexpr int kTableSide = kWindowBlockSide + 2;
 constexpr int kTableVoxels = kTableSide * kTableSide * kTableSide;
 constexpr std::int16_t kNoDistance = -32768;
 
-/// Squared distances while they are being made.
+/// Squared distances while they are computed.
 using SquaredDistances = std::array<float, kTableVoxels>;
 
-/// For the free voxels of the table whose centre lies within `band` of a surface point (voxel edges) the distance to
-/// the nearest one in units of `scale`; kNoDistance for all other voxels of the table. O(points * band^3).
-/// @param squared  room that is used on the way
-/// @param codes  kTableVoxels of them, kNoDistance before
+/// Computes, for the free voxels of the table whose centre lies within `band` of a surface point (voxel edges), the
+/// distance to the nearest surface point in units of `scale`. O(points * band^3).
+/// @param squared  working memory
+/// @param codes    receives the distances; kTableVoxels numbers that are kNoDistance before the call and stay so for
+///                 all other voxels
 void measure_free(const VoxelWindow& window, float band, float scale, SquaredDistances* squared, std::int16_t* codes);
 
 namespace reference {

@@ -14,14 +14,14 @@
 /// processor and AVX2 of most (processor.hpp); other machines run the scalar reference.
 namespace voxnav::kernels {
 
-/// What a subtraction did to 64 voxels.
+/// The result of a subtraction from 64 voxels.
 struct Subtracted {
   bool any_changed = false;
   unsigned crossed_free = 0;      ///< voxels that came below `free_end`
   unsigned crossed_occupied = 0;  ///< voxels that came below `occupied_min`
 };
 
-/// What a subtraction did to a whole block of 16^3 voxels.
+/// The result of a subtraction from a whole block of 16^3 voxels.
 struct SubtractedBlock : Subtracted {
   unsigned num_asked = 0;  ///< bits that were set in the masks
 };
@@ -35,7 +35,7 @@ struct Subtraction {
 
 namespace reference {
 
-/// cells[i] = max(0, cells[i] - amount) for every bit i that is set in the mask.
+/// Sets cells[i] = max(0, cells[i] - amount) for every bit i that is set in the mask.
 inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   Subtracted out;
   for (int i = 0; i < 64; ++i) {
@@ -50,14 +50,14 @@ inline Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask, const 
   return out;
 }
 
-/// Bit i: cells[i] of 64 is at least `limit`, which may be more than any cell can be.
+/// Returns a mask in which bit i is set if cells[i] of 64 is at least `limit`, which may exceed the range of a byte.
 inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
   std::uint64_t out = 0;
   for (int i = 0; i < 64; ++i) out |= static_cast<std::uint64_t>(cells[i] >= limit ? 1 : 0) << i;
   return out;
 }
 
-/// subtract_where() for each of the 64 words of a block.
+/// Calls subtract_where() for each of the 64 words of a block.
 inline SubtractedBlock subtract_in_block(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by) {
   SubtractedBlock out;
   for (int word = 0; word < kBlockWords; ++word) {
@@ -77,16 +77,16 @@ SubtractedBlock subtract_in_block(std::uint8_t* cells, const std::uint64_t* mask
 #if defined(__SSE2__)
 namespace detail {
 
-/// Bit i: byte i of a is at least b.
+/// Returns a mask in which bit i is set if byte i of a is at least b.
 VOXNAV_INLINE unsigned at_least(__m128i a, __m128i b) {
   return static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(_mm_max_epu8(a, b), a)));
 }
-/// Bit i: byte i of a is less than b.
+/// Returns a mask in which bit i is set if byte i of a is less than b.
 VOXNAV_WIDE VOXNAV_INLINE unsigned below(__m256i a, __m256i b) {
   return ~static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(a, b), a)));
 }
 
-/// 0xFF in byte i where bit i is set.
+/// Returns bytes that are 0xFF where the bit of their number is set.
 VOXNAV_INLINE __m128i bytes_of_bits(unsigned bits) {
   const __m128i bit_of_byte = _mm_set1_epi64x(static_cast<long long>(0x8040201008040201ull));
   const __m128i spread =
@@ -118,7 +118,7 @@ VOXNAV_INLINE Subtracted subtract_where(std::uint8_t* cells, std::uint64_t mask,
   return out;
 }
 
-/// The same for callers that are marked VOXNAV_WIDE themselves.
+/// The function above for callers that are marked VOXNAV_WIDE themselves.
 VOXNAV_WIDE inline Subtracted subtract_where_wide(std::uint8_t* cells, std::uint64_t mask, const Subtraction& by) {
   using namespace detail;  // NOLINT: parts of this function
   const __m256i step = _mm256_set1_epi8(static_cast<char>(by.amount));

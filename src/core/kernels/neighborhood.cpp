@@ -12,8 +12,8 @@ using namespace lanes;  // NOLINT: the vector types of this file
 
 using Quad = float __attribute__((vector_size(16)));
 
-/// Sums of the unit vectors to the free ones of three voxels beside each other, and their number, for each of the nine
-/// rows around a voxel and each set of free voxels.
+/// Table of sums over three neighbouring voxels of a row: the sum of the unit vectors to the free ones, and their
+/// number, for each of the nine rows around a voxel and each combination of free voxels.
 using RowSums = std::array<std::array<std::array<float, 4>, 8>, 9>;
 RowSums make_sums() {
   RowSums out;
@@ -35,7 +35,7 @@ const RowSums& row_sums() {
   return sums;
 }
 
-/// Neighbours are listed first and summed up then: without branches but one.
+/// Lists the occupied neighbours first and sums their points then, which needs only one branch.
 VOXNAV_INLINE void look(const VoxelWindow& window, const WindowVoxel& voxel, const RowSums& sums, Neighborhood* out) {
   constexpr unsigned kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
   unsigned others[27 + 3];

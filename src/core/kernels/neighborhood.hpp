@@ -8,22 +8,23 @@
 
 namespace voxnav::kernels {
 
-/// What the 26 voxels around an occupied one, and the voxel itself, say.
+/// Sums over an occupied voxel and its 26 neighbours.
 struct Neighborhood {
-  std::array<float, 4> towards_free;  ///< sum of unit directions to free voxels, and how many these are
-  std::array<float, 4> sum;           ///< x y z of the surface points from the voxel's centre, and how many they are
-  std::array<float, 4> squares;       ///< xx yy zz
-  std::array<float, 4> products;      ///< xy yz zx
+  std::array<float, 4> towards_free;  ///< sum of unit directions to free voxels, and the number of these
+  std::array<float, 4> sum;           ///< sum of x y z of the surface points from the voxel's centre, and their number
+  std::array<float, 4> squares;       ///< sums of xx yy zz
+  std::array<float, 4> products;      ///< sums of xy yz zx
 };
 
-constexpr std::size_t kTogether = 8;  ///< voxels that are asked at once
+constexpr std::size_t kTogether = 8;  ///< voxels in a batch
 using NeighborhoodBatch = std::array<Neighborhood, kTogether>;
 
-/// Looks around eight voxels of a window; the voxels beside them have to lie in it.
+/// Computes the neighbourhoods of eight voxels of a window; their neighbours must lie in the window.
 void look_around(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels, NeighborhoodBatch* out);
 
-/// Unit normals of the planes through the surface points around eight voxels, either way up, coordinate by coordinate;
-/// zero where the points do not lie in a plane: fewer than five, thicker than 0.2 voxel edges RMS, or along a line.
+/// Computes the unit normals, of either sign, of the planes through the surface points around eight voxels, coordinate
+/// by coordinate. A normal is zero if the points do not lie in a plane: they are fewer than five, thicker than 0.2
+/// voxel edges RMS, or lie along a line.
 using PlaneNormals = std::array<std::array<float, kTogether>, 3>;
 void fit_planes(const NeighborhoodBatch& batch, PlaneNormals* normals);
 

@@ -43,7 +43,7 @@ VOXNAV_INLINE void reduce_all(const std::uint8_t* voxels, std::uint8_t* nodes, C
 }
 
 VOXNAV_INLINE void find_flags(const std::uint8_t* levels, const LevelFlags& by, std::uint8_t* flags) {
-  const LevelFlags local = by;  // the compiler then knows that the flags do not overwrite it
+  const LevelFlags local = by;  // a copy, so that the compiler knows that writing the flags does not change it
   for (int i = 0; i < kBlockVoxels; ++i) {
     const std::uint8_t level = levels[i];
     const std::uint8_t not_free = level >= local.occupied_begin ? local.if_occupied : local.if_unknown;

@@ -10,17 +10,17 @@ namespace voxnav::kernels {
 constexpr int kBlockVoxels = 4096;
 constexpr int kBlockNodes = 512 + 64 + 8 + 1;
 
-/// Which of two limits the levels of voxels reach, and the flag that each answer gives.
+/// The limits between free, unknown and occupied log-odds levels, and the flag of each state.
 struct LevelFlags {
   std::uint8_t free_end;        ///< lower levels are free
   std::uint8_t occupied_begin;  ///< levels from here on are occupied, the others unknown
   std::uint8_t if_free, if_unknown, if_occupied;
 };
 
-/// flags[i] of each voxel by its level.
+/// Computes flags[i] of each voxel from its level.
 void flags_of_levels(const std::uint8_t* levels, const LevelFlags& by, std::uint8_t* flags);
 
-/// For every node above the voxels the highest level and the union of the flags of what lies below it.
+/// Computes for every inner node the highest level of the voxels below it and the union of their flags.
 void summarise_levels(const std::uint8_t* levels, const std::uint8_t* flags, std::uint8_t* highest,
                       std::uint8_t* united);
 

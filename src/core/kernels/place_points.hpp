@@ -8,21 +8,21 @@
 
 namespace voxnav::kernels {
 
-/// How points of a scan are turned into voxels. Window coordinates are voxel edges from the window's corner, in single
-/// precision, which holds 10^-3 of a voxel up to 10^4 voxels.
+/// The transform of points of a scan to window coordinates, and its limits. Window coordinates are voxel edges from the
+/// window's corner, in single precision, which resolves 10^-3 of a voxel up to 10^4 voxels.
 struct PlacementFrame {
   Eigen::Matrix3f rotation;  ///< metres of frame L to voxel edges along the window's axes
   geometry::Vec3f origin;    ///< the sensor in window coordinates
-  Eigen::Array3f low, high;  ///< ends of rays lie in here; never negative
+  Eigen::Array3f low, high;  ///< limits between which ends of rays lie; never negative
   float nearest_m;
   float farthest_m;
 };
 
-/// Where the points of a batch end.
+/// The voxels of the points of a batch.
 struct PlacedBatch {
   alignas(32) std::int32_t is_end[PointBatch::kSize];  ///< 0: the point is no hit inside the window
   alignas(32) std::int32_t voxel[3][PointBatch::kSize];
-  alignas(32) float offset[3][PointBatch::kSize];  ///< from the centre of the voxel, voxel edges
+  alignas(32) float offset[3][PointBatch::kSize];  ///< offset from the centre of the voxel, voxel edges
 };
 
 /// Places all points of a batch; `voxel` and `offset` mean something only where `is_end` is not zero.

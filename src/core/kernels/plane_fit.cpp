@@ -14,7 +14,7 @@ constexpr float kMinPoints = 5.0f;
 constexpr float kMaxThickness = 0.2f;  // voxel edges, RMS
 constexpr float kMinWidth = 0.35f;
 
-/// The formulas of a fit, for eight planes (Number = Floats) or for one (Number = float).
+/// The formulas of a plane fit, for eight planes (Number = Floats) or for one (Number = float).
 template <class Number>
 struct Vec {
   Number x, y, z;
@@ -33,14 +33,15 @@ VOXNAV_INLINE Vec<Number> times(const Symmetric<Number>& m, const Vec<Number>& v
   return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
           m.xz * v.x + m.yz * v.y + m.zz * v.z};
 }
-/// The adjugate has the eigenvectors of the matrix, the one of the smallest eigenvalue now being the strongest.
+/// Returns the adjugate, which has the eigenvectors of the matrix, but that of its smallest eigenvalue now belongs to
+/// the largest one.
 template <class Number>
 VOXNAV_INLINE Symmetric<Number> adjugate(const Symmetric<Number>& m) {
   return {m.yy * m.zz - m.yz * m.yz, m.xx * m.zz - m.xz * m.xz, m.xx * m.yy - m.xy * m.xy,
           m.xz * m.yz - m.xy * m.zz, m.xy * m.yz - m.xz * m.yy, m.xy * m.xz - m.yz * m.xx};
 }
 
-/// The thinnest directions of covariances, of a length that is not far from one, from their adjugates.
+/// Computes the directions of least variance, of a length near one, from the adjugates of covariances.
 VOXNAV_INLINE Vec<Floats> thinnest_direction(const Symmetric<Floats>& adj, Floats largest) {
   const Floats scale = 1.0f / largest;
   const Symmetric<Floats> m = {adj.xx * scale, adj.yy * scale, adj.zz * scale,
@@ -55,7 +56,7 @@ VOXNAV_INLINE Vec<Floats> thinnest_direction(const Symmetric<Floats>& adj, Float
                    is_x   ? m.xz
                    : is_y ? m.yz
                           : m.zz};
-  // The share of other directions shrinks by the ratio of the two smallest spreads.
+  // Each step shrinks the components along other directions by the ratio of the two smallest variances.
   for (int i = 0; i < 3; ++i) v = times(m, v);
   return v;
 }

@@ -3,10 +3,10 @@
 
 namespace voxnav::kernels {
 
-/// Sums of points and of the products of their coordinates, which mean and covariance are made of.
+/// Sums of points and of the products of their coordinates, from which mean and covariance follow.
 struct PointSum {
-  /// Four numbers in the compiler's vector type: a row is put together in a register, where an array would be written
-  /// to memory first.
+  /// Four numbers in the compiler's vector type: a row is built in a register, where an array would be written to
+  /// memory first.
   using Row = float __attribute__((vector_size(16)));
   Row first{};   ///< x y z 1
   Row second{};  ///< xx xy xz x

@@ -6,7 +6,7 @@ namespace {
 
 bool can_use_wide() {
 #if defined(__x86_64__) && defined(__GNUC__)
-  __builtin_cpu_init();  // static variables may be made before the library that does it
+  __builtin_cpu_init();  // static variables may be initialised before the library that calls it
   return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
          __builtin_cpu_supports("bmi2") != 0 && __builtin_cpu_supports("popcnt") != 0;
 #else

@@ -5,15 +5,15 @@
 
 #include "kernels/lanes.hpp"
 
-// Eight rays are walked at once. No branch depends on a single ray, because no processor could predict where that ray
-// changes voxel next. ray_walk_reference.cpp says the same ray by ray.
+// Eight rays are walked at once. No branch depends on a single ray, because a processor cannot predict where that ray
+// changes voxel next. ray_walk_reference.cpp computes the same ray by ray.
 
 namespace voxnav::kernels::ray_walk {
 namespace {
 
 using namespace lanes;  // NOLINT: the vector types of this file
 
-constexpr std::int32_t kNever = 1 << 30;  // in fixed point, behind every end
+constexpr std::int32_t kNever = 1 << 30;  // fixed-point position behind the ends of all rays
 constexpr std::int32_t kInWord = (1 << kWordShift) - 1;
 
 /// Rays from the end with the smaller coordinate on a to the other one.
@@ -21,8 +21,8 @@ struct Ends {
   Floats from_a, from_b, from_c, to_a, to_b, to_c;
 };
 
-/// The way across one of the two shorter axes: where on the longest one, in fixed point, the next change of voxel
-/// comes, how far they are apart, and what a change does to the line.
+/// The progress on one of the two shorter axes: the fixed-point position on the longest axis at which the ray next
+/// changes voxel on this axis, the distance between such changes, and the step to another line at each of them.
 struct ShortAxis {
   Ints next, per_cell, step;
 };
@@ -41,7 +41,8 @@ VOXNAV_INLINE ShortAxis short_axis(Floats from, Floats to, Floats from_a, Floats
   return {stays ? Ints{} + kNever : next, truncated(per_cell * one + 0.5f), is_up ? steps : -steps};
 }
 
-/// How many runs a ray consists of: each ends where the voxel changes on b or c, or a word ends.
+/// Returns the number of runs of a ray. A run is a series of voxels in one word of one line: it ends where the voxel
+/// changes on b or c, or where the word ends.
 VOXNAV_INLINE Ints num_runs(const Ends& ray) {
   const auto changes = [](Floats from, Floats to, int shift) {
     const Ints n = (truncated(to) >> shift) - (truncated(from) >> shift);
@@ -52,7 +53,7 @@ VOXNAV_INLINE Ints num_runs(const Ends& ray) {
 }
 
 VOXNAV_INLINE void mark(std::uint32_t* words, Ints at, Words bits) {
-  // Lanes go through memory, since taking them out of vectors one by one takes longer.
+  // Lanes are read through memory, since extracting them from vectors one by one takes longer.
   alignas(32) std::int32_t to[kLanes];
   alignas(32) std::uint32_t what[kLanes];
   store(at, to);
@@ -76,7 +77,7 @@ VOXNAV_INLINE void walk(const Canvas& canvas, const Ends& ray) {
     const Ints next = is_b ? b.next : c.next;
     const Ints changes = next < last_change;
     const Ints target = larger(changes ? next >> canvas.fraction_bits : last, at);
-    // A run ends where its word ends; it goes on in the next one.
+    // A run ends where its word ends; the next run continues in the next word.
     const Ints word_end = at | kInWord;
     const Ints is_cut = target > word_end;
     const Ints stop = is_cut ? word_end : target;
@@ -95,7 +96,7 @@ VOXNAV_INLINE void walk(const Canvas& canvas, const Ends& ray) {
 
 VOXNAV_INLINE Floats eight_of(const float* from, std::size_t left) {
   if (left >= kLanes) return loaded<Floats>(from);
-  Floats out;  // the last ray is walked again in lanes that would be empty
+  Floats out;  // lanes that would be empty repeat the last ray
   for (std::size_t k = 0; k < kLanes; ++k) out[k] = from[std::min(k, left - 1)];
   return out;
 }

@@ -11,30 +11,30 @@ namespace voxnav::kernels::ray_walk {
 
 constexpr int kWordShift = 5;
 
-/// Bits of voxels in lines along a, in words of 32: voxel (a, b, c) is bit a % 32 of word
+/// A bit image whose voxels lie in lines along the axis a, in words of 32 bits: voxel (a, b, c) is bit a % 32 of word
 /// zero + b * step_b + c * step_c + a / 32.
 struct Canvas {
   std::uint32_t* words;
   std::int32_t zero;
   std::int32_t step_b;
   std::int32_t step_c;
-  int fraction_bits;  ///< of coordinates in fixed point
+  int fraction_bits;  ///< fractional bits of fixed-point coordinates
 };
 
 /// Rays from one origin, in voxel edges from the corner of the box, none of them negative. On axis a all ends lie on
 /// one side of the origin.
 struct Rays {
-  const float *a, *b, *c;  ///< ends
+  const float *a, *b, *c;  ///< coordinates of the ends
   std::size_t size;
   float origin_a, origin_b, origin_c;
-  bool is_ascending;  ///< along a, from the origin to the ends
+  bool is_ascending;  ///< whether a rises from the origin to the ends
 };
 
 /// Marks the voxels that the rays cross.
 void mark_rays(const Rays& rays, const Canvas& canvas);
 
 namespace reference {
-/// The same, ray by ray.
+/// Marks the same voxels ray by ray: the scalar reference.
 void mark_rays(const Rays& rays, const Canvas& canvas);
 }  // namespace reference
 

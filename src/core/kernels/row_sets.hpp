@@ -10,11 +10,12 @@ namespace voxnav::kernels {
 struct Extent {
   float low, high;
 };
-/// The lowest and the highest of n numbers and of one more. The numbers are finite.
+/// Computes the lowest and the highest of n finite numbers and one more.
 Extent extent_of(const float* numbers, std::size_t n, float other);
 
 constexpr int kUnitedRows = 16;
-/// all[k]: the bits that are set in any of 16 words k of `count`, rows of words being `step` words apart.
+/// Computes all[k], the bits that are set in word k of any of 16 rows. A row has `count` words, and rows are `step`
+/// words apart.
 void unite_rows(const std::uint32_t* first, std::size_t count, std::ptrdiff_t step, std::uint32_t* all);
 
 namespace reference {

@@ -12,7 +12,7 @@ namespace {
 
 using namespace lanes;  // NOLINT: the vector types of this file
 
-/// For each set of lanes their numbers, lowest first.
+/// Table that lists, for each set of lanes, their numbers in rising order.
 struct SetLanes {
   std::int32_t of[256][kLanes];
   constexpr SetLanes() : of() {
@@ -26,7 +26,7 @@ struct SetLanes {
 };
 constexpr SetLanes kSetLanes;
 
-/// For each voxel some beams of the scan, by number.
+/// For each voxel a list of numbers of beams of the scan.
 struct Beams {
   static constexpr int kMost = 64;
   alignas(32) std::int32_t counts[kLanes] = {};
@@ -35,7 +35,7 @@ struct Beams {
   Beams() {
     for (auto& list : numbers) list[0] = 0;
   }
-  /// Adds some of the pixels of a row without branches, which no processor could predict.
+  /// Adds the chosen pixels of a row without branches, which a processor could not predict.
   VOXNAV_INLINE void add(int lane, const BeamPixel* pixels, unsigned which) {
     const auto order = loaded<Ints>(kSetLanes.of[which]);
     store(shuffled(loaded<Ints>(pixels) & kBeamMask, order), numbers[lane] + counts[lane]);
@@ -49,7 +49,7 @@ struct Vec {
 };
 VOXNAV_INLINE Floats dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 VOXNAV_INLINE Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-/// scale * a - b
+/// Returns scale * a - b.
 VOXNAV_INLINE Vec along(Floats scale, const Vec& a, const Vec& b) {
   return {scale * a.x - b.x, scale * a.y - b.y, scale * a.z - b.z};
 }
@@ -57,7 +57,8 @@ VOXNAV_INLINE Vec rotated(const Eigen::Matrix3f& by, const Vec& v) {
   const auto row = [&](int k) { return by(k, 0) * v.x + by(k, 1) * v.y + by(k, 2) * v.z; };
   return {row(0), row(1), row(2)};
 }
-/// Square roots to a thousandth, by two steps of Newton's method from a guess that halves the exponent.
+/// Returns square roots with a relative error of a thousandth, by two steps of Newton's method from a guess that halves
+/// the exponent.
 VOXNAV_INLINE Floats square_root(Floats x) {
   Ints bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -68,7 +69,7 @@ VOXNAV_INLINE Floats square_root(Floats x) {
   return 0.5f * (root + x / root);
 }
 
-/// Spreads of hits, ready to tell how many deviations away something is.
+/// Covariances of hits in the form in which Mahalanobis distances are computed from them.
 struct Spreads {
   Floats xx, xy, xz, yy, yz, zz;  ///< adjugate of the covariance: its inverse times the determinant
   Floats determinant;
@@ -77,14 +78,14 @@ struct Spreads {
   }
 };
 
-/// Number i of each voxel.
+/// Gathers number i of each voxel.
 VOXNAV_INLINE Floats each_of(const std::int16_t* const* numbers, std::size_t i, float unit) {
   Ints out;
   for (int k = 0; k < kLanes; ++k) out[k] = numbers[k][i];
   return floats(out) * unit;
 }
 
-/// `least` is added to the deviations of the hits.
+/// Prepares the covariances of the hits, with `least` added to their standard deviations.
 VOXNAV_INLINE Spreads spreads_of(const AskedVoxels& asked, float least) {
   const auto entry = [&](std::size_t i) { return each_of(asked.covariances, i, 1.0f / kCovarianceUnits); };
   const Floats xx = entry(0) + least * least, xy = entry(1), xz = entry(2);
@@ -111,7 +112,7 @@ VOXNAV_INLINE Vec centers_of(const AskedVoxels& asked, const geometry::Vec3f& fi
           floats(offsets >> 8) + first_center.z()};
 }
 
-/// Asks the beams that were collected, and forgets them. A lane for each voxel.
+/// Tests the beams that were collected, with one lane for each voxel, and empties the lists.
 VOXNAV_INLINE void ask(const BeamImages& images, const SightRules& rules, const AskedVoxels& asked, const Vec& center,
                        Beams* beams, Ints* octants) {
   const Vec mean = center + means_of(asked);
@@ -134,10 +135,10 @@ VOXNAV_INLINE void ask(const BeamImages& images, const SightRules& rules, const 
     const Vec end = rotated(rules.to_window, {x, y, z});
     const Floats end_sq = dot(end, end);
     const Floats inverse_sq = 1.0f / larger(end_sq, Floats{} + 1e-20f);
-    // The nearest point of the beam to the voxel's centre, from there.
+    // The point of the beam nearest to the voxel's centre, relative to that centre.
     const Vec at = along(dot(center, end) * inverse_sq, end, center);
     const Ints inside = (absolute(at.x) <= 0.5f) & (absolute(at.y) <= 0.5f) & (absolute(at.z) <= 0.5f);
-    // How far the beam went on behind the hits; no farther than beams are believed.
+    // The length of the beam behind the hits; beams are cut at their longest believed length.
     const Floats share = dot(mean, end) * inverse_sq;
     const Ints is_behind =
         (share < 1.0f) & ((1.0f - share) * (1.0f - share) * end_sq >= least_sq) & (share * share * end_sq <= most_sq);
@@ -146,7 +147,8 @@ VOXNAV_INLINE void ask(const BeamImages& images, const SightRules& rules, const 
     const Floats cross = dot(across, weighted_end);
     const Floats off = dot(across, spread.weighted(across)) * dot(end, weighted_end) - cross * cross;
     const Ints meets = off <= limit * dot(end, weighted_end);
-    // Octants before and after that point: those at it alone would be six at most for beams along a diagonal.
+    // The octants before and behind that point count: with the point alone, beams along a diagonal would reach six
+    // octants at most.
     const Floats quarter = 0.25f * square_root(inverse_sq);
     const auto octant_at = [&](Floats ahead) {
       const Floats px = at.x + ahead * end.x, py = at.y + ahead * end.y, pz = at.z + ahead * end.z;

@@ -62,7 +62,7 @@ Voxel voxel_of(const AskedVoxels& asked, int lane, const SightRules& rules, cons
   return out;
 }
 
-/// Octants that one beam says were seen through, for seen_octants().
+/// Returns the octants that one beam saw through, for seen_octants().
 std::int32_t octants_of_beam(const Voxel& voxel, const Vec& end, const SightRules& rules) {
   const float end_sq = dot(end, end);
   if (!(end_sq > 0.0f)) return 0;

@@ -5,22 +5,22 @@
 #include <cstddef>
 #include <cstdint>
 
-/// What kernels see of a block of 16^3 voxels and up to 8 voxels around it, as rows of bits along x. Coordinates are
-/// voxels from the first voxel of the block, centres of voxels being at integers.
+/// A block of 16^3 voxels with a halo of 8 voxels, as rows of bits along x: the form in which kernels read a
+/// submap::ContentWindow. Coordinates are voxels from the first voxel of the block; centres of voxels are at integers.
 namespace voxnav::kernels {
 
 constexpr int kWindowBlockSide = 16;
 constexpr int kWindowHalo = 8;
 constexpr int kWindowSide = kWindowBlockSide + 2 * kWindowHalo;
 
-/// A surface point as x y z 1 and as y z x 0: its products then take no exchange of coordinates.
+/// A surface point as x y z 1 and as y z x 0, so that the products of its coordinates need no shuffles.
 using WindowPoint = std::array<float, 8>;
 
 struct WindowVoxel {
   std::int16_t x, y, z;
 };
 
-/// Bit x + kWindowHalo of the row at (y, z) stands for the voxel (x, y, z).
+/// The window itself. Voxel (x, y, z) is bit x + kWindowHalo of the row at (y, z).
 struct VoxelWindow {
   const std::uint32_t* free_rows;
   const std::uint32_t* occupied_rows;
