@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxnav: LiDAR mapping and planning for UAVs.
 
-Everything here needs no ROS: the C++ core, and the planning manager on top of it. ``voxnav.nodes`` holds the rospy
-nodes. Frames, units and array shapes: docs/architecture.md.
+This package offers the C++ core and, on top of it, the planning manager; neither needs ROS. ``voxnav.nodes`` holds the
+rospy nodes. docs/architecture.md explains the frames, docs/terminology.md the words.
 """
 
 from voxnav._core import *  # noqa: F401,F403

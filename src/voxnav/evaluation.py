@@ -13,7 +13,7 @@ class EvaluationError(ValueError):
 
 
 def interpolate_positions(stamps: Array, reference_stamps: Array, reference_positions: Array) -> Array:
-    """Reference positions at the given stamps; NaN rows outside the reference's time span. O(n log m)."""
+    """Interpolates reference positions at the given stamps; NaN rows outside the reference's time span. O(n log m)."""
     out = np.full((len(stamps), 3), np.nan)
     inside = (stamps >= reference_stamps[0]) & (stamps <= reference_stamps[-1])
     for axis in range(3):
@@ -22,9 +22,10 @@ def interpolate_positions(stamps: Array, reference_stamps: Array, reference_posi
 
 
 def align_se3(source: Array, target: Array) -> tuple[Array, Array]:
-    """Rotation R and translation t that minimise the sum of squares of R source + t - target.
+    """Returns the rotation R and the translation t that minimise the sum of squares of R source + t - target.
 
-    source, target: (n, 3). Source: Umeyama, TPAMI 1991, without scale.
+    source, target: (n, 3). Source: Umeyama, Least-squares estimation of transformation parameters between two point
+    patterns, PAMI 1991, section III, without scale.
     """
     mean_source, mean_target = source.mean(axis=0), target.mean(axis=0)
     covariance = (target - mean_target).T @ (source - mean_source)
@@ -36,9 +37,9 @@ def align_se3(source: Array, target: Array) -> tuple[Array, Array]:
 
 def absolute_trajectory_error(stamps: ArrayLike, positions: ArrayLike, reference_stamps: ArrayLike,
                               reference_positions: ArrayLike, align: bool = True) -> float:
-    """RMSE of positions in metres, after SE(3) alignment unless told otherwise.
+    """Returns the RMSE of positions in metres, after SE(3) alignment unless align is False.
 
-    Raises EvaluationError when fewer than three stamps lie inside the reference.
+    Raises EvaluationError if fewer than three stamps lie within the reference.
     """
     target = interpolate_positions(np.asarray(stamps), np.asarray(reference_stamps), np.asarray(reference_positions))
     valid = np.all(np.isfinite(target), axis=1)

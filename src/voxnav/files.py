@@ -12,7 +12,7 @@ from voxnav.array_types import Array, ArrayLike
 
 
 def rotation_from_quaternion(q_xyzw: ArrayLike) -> Array:
-    """(4,) x y z w of any length > 0 -> (3, 3). Raises ValueError for a zero or non-finite quaternion."""
+    """Returns the (3, 3) rotation of a quaternion (4,) x y z w of any norm > 0. Raises ValueError for others."""
     q = np.asarray(q_xyzw, dtype=np.float64)
     norm = np.linalg.norm(q)
     if not np.isfinite(norm) or norm < 1e-6:
@@ -26,7 +26,10 @@ def rotation_from_quaternion(q_xyzw: ArrayLike) -> Array:
 
 
 def quaternion_from_rotation(R: Array) -> Array:
-    """(3, 3) -> (4,) x y z w with w >= 0. Source: Shepperd 1978."""
+    """Returns the quaternion (4,) x y z w with w >= 0 of a (3, 3) rotation.
+
+    Source: Shepperd, Quaternion from rotation matrix, Journal of Guidance and Control 1978.
+    """
     candidates = np.array([R[0, 0], R[1, 1], R[2, 2], np.trace(R)])
     k = int(np.argmax(candidates))
     if k == 3:
@@ -50,7 +53,7 @@ def pose_from_tum_row(row: Sequence[float]) -> Array:
 
 
 def read_tum(path: str) -> tuple[Array, Array]:
-    """Rows ``t x y z qx qy qz qw`` -> (stamps (n,) s, poses (n, 4, 4)). Raises ValueError naming file and line."""
+    """Reads rows ``t x y z qx qy qz qw``. Returns (stamps (n,) s, poses (n, 4, 4)); ValueError names file and line."""
     stamps, poses = [], []
     with open(path) as source:
         for number, line in enumerate(source, 1):
@@ -73,7 +76,7 @@ def read_tum(path: str) -> tuple[Array, Array]:
 
 
 def write_tum(path: str, stamps: Iterable[float], poses: Iterable[Array]) -> None:
-    """Nine decimals of time and position, so that equal runs give equal bytes."""
+    """Writes a TUM trajectory with nine decimals of time and position, so that equal runs give equal bytes."""
     with open(path, "w") as out:
         for stamp, T in zip(stamps, poses):
             q = quaternion_from_rotation(T[:3, :3])
@@ -81,7 +84,7 @@ def write_tum(path: str, stamps: Iterable[float], poses: Iterable[Array]) -> Non
 
 
 def write_ply_points(path: str, points: ArrayLike, colors: ArrayLike | None = None) -> None:
-    """Binary PLY. points: (n, 3) numbers, metres; colors: (n, 3) red, green and blue from 0 to 255, or None."""
+    """Writes a binary PLY. points: (n, 3), metres; colors: (n, 3) red, green and blue from 0 to 255, or None."""
     points = np.ascontiguousarray(points, dtype=np.float32).reshape(-1, 3)
     if colors is not None:
         colors = np.ascontiguousarray(colors, dtype=np.uint8).reshape(-1, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``scripts/merge_maps``: two saved maps become one; where they overlap, the later flight says what is there now."""
+"""``scripts/merge_maps``: merges two saved maps; where they overlap, the later flight is the newer evidence."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from voxnav.array_types import Array
 
 
 def pose_from(x_y_z_yaw: Sequence[float]) -> Array:
-    """(4,) metres and radians -> (4, 4)."""
+    """Returns the (4, 4) pose of (4,) x, y, z in metres and yaw in radians."""
     x, y, z, yaw = x_y_z_yaw
     T = np.eye(4)
     T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
@@ -23,7 +23,7 @@ def pose_from(x_y_z_yaw: Sequence[float]) -> Array:
 
 
 def merge(first: str, second: str, T_W_other: Array) -> tuple[voxnav.SubmapCollection, list[str]]:
-    """Loads both maps (folders), adds the second as the newer one. Returns (SubmapCollection, what was left out)."""
+    """Loads two map folders and adds the second as the newer one. Returns (SubmapCollection, what was left out)."""
     merged, problems = voxnav.SubmapCollection.load(first, recover=True)
     other, more = voxnav.SubmapCollection.load(second, recover=True)
     merged.merge(other, T_W_other)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A submap graph that is fed with what happens in flight: the submap_optimizer node without ROS.
+"""A submap graph to which submaps and measurements are added as they arrive: the submap_optimizer node without ROS.
 
 Frames: W map, O odometry origin, B body, S submap, G frame of the GNSS positions. Stamps are seconds.
 """
@@ -52,7 +52,7 @@ class Height(NamedTuple):
 
 
 def body_pose_at(record: SubmapRecord, stamp_s: float) -> Array | None:
-    """Gravity-aligned T_S_B at a time, or None outside of the pose history."""
+    """Returns the gravity-aligned T_S_B at a time, or None outside of the pose history."""
     stamps = record.stamps_s
     if len(stamps) == 0 or not stamps[0] <= stamp_s <= stamps[-1]:
         return None
@@ -64,7 +64,7 @@ def body_pose_at(record: SubmapRecord, stamp_s: float) -> Array | None:
 
 
 def _known_pose(record: SubmapRecord, stamp_s: float) -> Array:
-    """body_pose_at() of a time that is known to lie within the pose history."""
+    """Returns body_pose_at() of a time that lies within the pose history."""
     T_S_B = body_pose_at(record, stamp_s)
     if T_S_B is None:
         raise LookupError("submap %d has no pose at %.6f" % (record.id, stamp_s))
@@ -72,7 +72,7 @@ def _known_pose(record: SubmapRecord, stamp_s: float) -> Array:
 
 
 def loop_between_submaps(T_SA_A: Array, T_SB_B: Array, T_A_B: Array, covariance: Array) -> tuple[Array, Array]:
-    """A loop between bodies as one between their submaps: T_Sa_Sb and its (4, 4) information.
+    """Converts a loop between bodies to one between their submaps: T_Sa_Sb and its (4, 4) information.
 
     covariance: (6, 6) of x y z roll pitch yaw of T_A_B. The heading error of the loop moves the far submap too.
     """
@@ -109,7 +109,7 @@ class OptimizerSession:
 
     @property
     def records(self) -> collections.OrderedDict[int, SubmapRecord]:
-        """Submaps by id, oldest first."""
+        """The submaps by id, oldest first."""
         return self._records
 
     @property
@@ -117,10 +117,10 @@ class OptimizerSession:
         return self._graph
 
     def add_submap(self, record: SubmapRecord, field: voxnav.DistanceField | None = None) -> bool:
-        """Add a finished submap; its start is where odometry puts it after the last. False when it is known already.
+        """Adds a finished submap at the pose that odometry since the last one gives. False if it is known already.
 
-        field: DistanceField to register it by. Raises ValueError for a pose that is not valid, when full, and for a
-        known id of another time (an integrator that began anew).
+        field: DistanceField by which it is registered. Raises ValueError for a pose that is not valid, if the graph is
+        full, and for a known id with another time (of an integrator that was restarted).
         """
         if record.id in self._records:
             if abs(self._records[record.id].start_s - record.start_s) > 1e-3:
@@ -140,9 +140,9 @@ class OptimizerSession:
         return True
 
     def add_loop(self, loop: Loop) -> None:
-        """Add a loop closure between two stamps; it waits until both lie in finished submaps.
+        """Adds a loop closure between two stamps, which waits until both lie in finished submaps.
 
-        Raises ValueError when it cannot be used.
+        Raises ValueError if it cannot be used.
         """
         if not (np.all(np.isfinite(loop.T_A_B)) and np.all(np.isfinite(loop.covariance))):
             raise ValueError("loop closure is not finite")
@@ -155,7 +155,7 @@ class OptimizerSession:
         self._attach_loops()
 
     def add_fix(self, fix: Fix) -> bool:
-        """Add a GNSS position in frame G; used when the submap of its time is finished. False when too uncertain."""
+        """Adds a GNSS position in frame G, used once the submap of its time is finished. False if too uncertain."""
         if not (np.all(np.isfinite(fix.p_G)) and np.all(np.isfinite(fix.covariance))):
             self.dropped["gnss"] += 1
             return False
@@ -166,7 +166,7 @@ class OptimizerSession:
         return True
 
     def add_height(self, height: Height) -> bool:
-        """Add a height above any fixed level; only changes of it matter."""
+        """Adds a height above any fixed level; only its changes matter."""
         if not math.isfinite(height.height_m):
             self.dropped["height"] += 1
             return False
@@ -174,7 +174,7 @@ class OptimizerSession:
         return True
 
     def optimize(self, full: bool = False) -> voxnav.OptimizeReport:
-        """Solve and set T_W_O so that the newest submap stays where odometry has it. Returns OptimizeReport."""
+        """Solves and sets T_W_O so that the newest submap does not move in O. Returns an OptimizeReport."""
         report = self._graph.optimize(full=full)
         if self._records:
             newest = next(reversed(self._records.values()))
@@ -184,7 +184,7 @@ class OptimizerSession:
         return report
 
     def trajectory(self) -> tuple[Array, Array]:
-        """Stamps (n,) and poses T_W_B (n, 4, 4) of the flight so far, without steps, thinned to the limit."""
+        """Returns stamps (n,) and poses T_W_B (n, 4, 4) of the flight so far, without steps, thinned to the limit."""
         records = [r for r in self._records.values() if len(r.stamps_s)]
         if not records:
             return np.empty(0), np.empty((0, 4, 4))
@@ -195,12 +195,12 @@ class OptimizerSession:
         return stamps, voxnav.correct_trajectory(stamps, T_O_B, *self._corrections(records)[1:])
 
     def bends(self) -> dict[int, Array]:
-        """{id: (2, 4, 4)}: what drift did to each submap while it was made, see voxnav.submap_bends()."""
+        """Returns {id: (2, 4, 4)}, the drift within each submap; see voxnav.submap_bends()."""
         ids, spans_s, T_O_S, T_W_S = self._corrections(self._records.values())
         return dict(zip(ids, voxnav.submap_bends(spans_s, T_O_S, T_W_S, self.config.max_bend_m))) if ids else {}
 
     def _corrections(self, records: Iterable[SubmapRecord]) -> tuple[list[int], Array, Array, Array]:
-        """Ids, time spans (k, 2), T_O_S and T_W_S (k, 4, 4) of those whose middles rise."""
+        """Returns ids, time spans (k, 2), T_O_S and T_W_S (k, 4, 4) of the submaps whose middles rise in time."""
         poses, kept, last_s = self._graph.poses(), [], -math.inf
         for record in records:
             middle_s = 0.5 * (record.start_s + record.end_s)
@@ -258,7 +258,10 @@ class OptimizerSession:
 
 
 def _take_spread(pending: collections.deque[Any], record: SubmapRecord, limit: int) -> list[Any]:
-    """Remove what is not newer than the submap from `pending` and return up to `limit` of its time, spread evenly."""
+    """Removes the measurements up to the end of a submap from `pending`. Returns up to `limit` of those of its time.
+
+    They are spread evenly over time.
+    """
     inside = []
     while pending and pending[0].stamp_s <= record.end_s:
         measurement = pending.popleft()

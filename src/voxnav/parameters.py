@@ -25,7 +25,8 @@ PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     RUNNER: SECTIONS,
 }
 
-# What people change first, as node/section/name: sensor and mount, detail and reach of the map, distances, limits.
+# The parameters that are changed most often, as node/section/name: sensor and mount, detail and reach of the map,
+# distances, limits.
 OFTEN_CHANGED = (
     "cloud_filter/filter/body_radius_m", "cloud_filter/filter/min_range_m", "cloud_filter/filter/ghost_intensity",
     "cloud_filter/filter/row_decimation",
@@ -40,7 +41,7 @@ OFTEN_CHANGED = (
 
 
 def nodelet_parameters(program: str) -> Parameters:
-    """Of the nodelets; program: path of the built ``describe_parameters``."""
+    """Returns the parameters of the nodelets. program: path of the built ``describe_parameters``."""
     parameters: Parameters = json.loads(subprocess.check_output([program], timeout=60).decode())
     return parameters
 
@@ -69,7 +70,7 @@ def _row(name: str, field: dict[str, Any]) -> str:
 
 
 def _often_changed(parameters: Parameters) -> list[str]:
-    """Rows of the first table. Raises KeyError naming a parameter of the list that does not exist."""
+    """Returns the rows of the first table. Raises KeyError naming a parameter of the list that does not exist."""
     rows = []
     for path in OFTEN_CHANGED:
         node, section, name = path.split("/")
@@ -84,7 +85,7 @@ _HEADER = ["| parameter | default | unit | allowed | meaning |", "|---|---|---|-
 
 
 def markdown(parameters: Parameters) -> str:
-    """The tables of docs/parameters.md."""
+    """Returns the tables of docs/parameters.md."""
     lines = ["# Parameters", "",
              "This page is made from the code by `scripts/dev/make_parameter_docs`. A node takes the parameters below "
              "its own name and refuses to start on any other: it names unknown keys, wrong types and values out of "

@@ -9,7 +9,7 @@ class PicturesUnavailable(RuntimeError):
 
 
 def pyplot() -> Any:
-    """The module matplotlib.pyplot, drawing into files. @throws PicturesUnavailable"""
+    """Returns the module matplotlib.pyplot, set to draw into files. Raises PicturesUnavailable."""
     try:
         import matplotlib
     except ImportError as error:
@@ -21,7 +21,7 @@ def pyplot() -> Any:
 
 
 def require_pictures() -> None:
-    """Ends the program with a message where pictures cannot be drawn: before a long computation, not after it."""
+    """Ends the program with a message if pictures cannot be drawn, before a long computation and not after it."""
     try:
         pyplot()
     except PicturesUnavailable as error:

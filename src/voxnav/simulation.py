@@ -55,7 +55,7 @@ Config = Union[None, str, "os.PathLike[str]", Dict[str, Any], WorldConfig]
 
 
 def pose(x: float, y: float, z: float, yaw_rad: float = 0.0) -> Array:
-    """Upright pose as (4, 4) float64."""
+    """Returns an upright pose as (4, 4) float64."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
 
@@ -75,7 +75,7 @@ def _rows(points: ArrayLike, columns: int) -> Array:
 
 
 class Stems:
-    """Trunks or poles as they were meant: (k, 3) axis ends at the ground and the top, (k,) radii there."""
+    """Trunks or poles as generated: (k, 3) ends of their axes at the ground and at the top, and (k,) radii there."""
 
     def __init__(self, rows: Array) -> None:
         self.ground, self.top = rows[:, 0:3], rows[:, 3:6]
@@ -107,7 +107,7 @@ class World:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many trees, bushes, poles, rocks, walls and houses found room."""
+        """Returns how many trees, bushes, poles, rocks, walls and houses found room in the world."""
         return self.scene.counts()
 
     def save_ply(self, path: str | os.PathLike[str]) -> None:
@@ -115,41 +115,41 @@ class World:
         self.scene.save_ply(os.fspath(path))
 
     def mesh(self) -> tuple[Array, Array, Array]:
-        """Vertices (n, 3) float32, triangles (m, 3) uint32, classes (m,) uint8; the vehicle where it stands now."""
+        """Returns vertices (n, 3) float32, triangles (m, 3) uint32, classes (m,) uint8, the vehicle included."""
         arrays = self.scene.mesh()
         return arrays["vertices"], arrays["triangles"], arrays["classes"]
 
     def ground_height(self, x: ArrayLike, y: ArrayLike) -> Any:
-        """Height of the ground, for numbers or arrays; NaN outside of the terrain."""
+        """Returns the height of the ground, for numbers or arrays; NaN outside of the terrain."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
         heights = self.scene.ground_height(_rows(np.stack([x, y], axis=-1), 2)).reshape(x.shape)
         return float(heights) if heights.ndim == 0 else heights
 
     def clearance(self, points: ArrayLike, max_m: float = 100.0) -> Array:
-        """Distance (n,) of (n, 3) points to the nearest surface, without sign; max_m where nothing is closer."""
+        """Returns the unsigned distance (n,) of (n, 3) points to the nearest surface; max_m if none is closer."""
         return self.scene.clearance(_rows(points, 3), max_m)
 
     def nearest(self, points: ArrayLike, max_m: float = 100.0) -> tuple[Array, Array]:
-        """Distance (n,) and class (n,) uint8 of the nearest surface; NaN and 255 where nothing is within max_m."""
+        """Returns distance (n,) and class (n,) uint8 of the nearest surface; NaN and 255 if none is within max_m."""
         distances, classes = self.scene.nearest(_rows(points, 3), max_m)
         return distances, classes
 
     def surface_distance(self, points: ArrayLike, max_m: float = 100.0) -> Array:
-        """Distance (n,) to the nearest surface; NaN where nothing is within max_m."""
+        """Returns the distance (n,) to the nearest surface; NaN if none is within max_m."""
         return self.nearest(points, max_m)[0]
 
     def cast(self, origins: ArrayLike, directions: ArrayLike,
              max_range_m: float = 200.0) -> tuple[Array, Array, Array]:
-        """Ranges (inf = nothing), classes (255 = nothing) and cosines of incidence of (n, 3) rays."""
+        """Casts (n, 3) rays. Returns ranges (inf = no hit), classes (255 = no hit) and cosines of incidence."""
         ranges, classes, cosines = self.scene.cast(_rows(origins, 3), _rows(directions, 3), max_range_m)
         return ranges, classes, cosines
 
     def trunks(self) -> Stems:
-        """Stems of all trees."""
+        """Returns the Stems of all trees."""
         return self._stems("trunk")
 
     def poles(self) -> Stems:
-        """Stems of all thin poles."""
+        """Returns the Stems of all thin poles."""
         return self._stems("pole")
 
     def _stems(self, name: str) -> Stems:
@@ -157,11 +157,11 @@ class World:
         return Stems(rows[rows[:, 8] == CLASSES[name]])
 
     def move_vehicle(self, x: float, y: float, heading_rad: float = 0.0) -> bool:
-        """Puts the vehicle elsewhere; False when there is none, or no ground at that place."""
+        """Moves the vehicle; returns False if there is none, or no ground at the new place."""
         return self.scene.move_vehicle(x, y, heading_rad)
 
     def vehicle_pose(self) -> Array | None:
-        """T_W_V (4, 4), or None."""
+        """Returns the pose T_W_V (4, 4) of the vehicle, or None if there is none."""
         T_W_V: Array | None = self.scene.vehicle_pose()
         return T_W_V
 
@@ -197,10 +197,10 @@ class Lidar:
 
     @property
     def sweep_s(self) -> float:
-        """Seconds of one turn."""
+        """The duration of one turn in seconds."""
         return self._model.sweep_s
 
     def scan(self, world: World, T_W_L_start: Array, T_W_L_end: Array | None = None, scan_index: int = 0) -> Scan:
-        """Measures one turn while the sensor moves evenly from the first to the second pose, (4, 4) float64."""
+        """Simulates one turn while the sensor moves evenly from the first to the second pose, (4, 4) float64."""
         end = T_W_L_start if T_W_L_end is None else T_W_L_end
         return Scan(self._model.scan(world.scene, T_W_L_start, end, scan_index))

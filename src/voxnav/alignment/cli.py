@@ -18,7 +18,7 @@ from voxnav.alignment.scenarios import SCENARIOS, Scenario
 from voxnav.plotting import require_pictures
 
 _DEFAULT = [name for name in SCENARIOS if name != "long"]
-# A trajectory that is worse by less than this is not called worse: the measurement is not more exact.
+# A trajectory counts as worse only if its error grew by more than this, which is the accuracy of the measurement.
 _TOLERANCE_M = 0.005
 
 
@@ -77,7 +77,7 @@ def _print_errors(results: list[dict[str, Any]]) -> None:
 
 
 def _print_never_worse(results: list[dict[str, Any]]) -> int:
-    """Returns how many flights came out worse than they went in."""
+    """Prints the gain of each flight and its worst moment. Returns how many flights came out worse than their input."""
     print("\nNever worse: after all submaps, and the worst moment of the flight (after minus before) [m]")
     worse = 0
     for r in results:

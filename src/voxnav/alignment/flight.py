@@ -88,13 +88,13 @@ def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
 
 
 def _filled(handovers: Iterable[voxnav.Handover]) -> list[tuple[SubmapRecord, voxnav.Submap]]:
-    # Early parts of submaps are left out, since nothing leaves an 80 m window during one submap of these flights.
+    # Early content is not handled, since nothing leaves a window of 80 m during one submap of these flights.
     return [(SubmapRecord(h.submap_id, h.pose_stamps[0], h.pose_stamps[-1], h.T_O_S, h.pose_stamps, h.T_S_B),
              voxnav.Submap.from_content(h.content, np.linalg.inv(h.T_O_S))) for h in handovers if h.is_final]
 
 
 def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
-    """A flight of fly(), kept in a folder between runs. Delete the folder when filter, map or submaps change."""
+    """Returns a flight of fly(), kept in a folder between runs. Delete the folder when the mapping pipeline changes."""
     if not folder:
         return fly(scenario, seed)
     path = os.path.join(folder, "%s_%d.pickle" % (scenario.name, seed))

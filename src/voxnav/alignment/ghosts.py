@@ -23,7 +23,7 @@ from voxnav.plotting import require_pictures
 _RING = [(2.0, -13.0), (37.0, -13.0), (37.0, 13.0), (2.0, 13.0)]
 _NEW_PLACE = (30.0, 2.0, 1.2)  # x, y, heading
 _HALF_TRUCK_M = np.array([4.3, 1.5])
-_LOST_M = 0.5  # a surface is lost when the later map holds nothing this near to it
+_LOST_M = 0.5  # a surface is lost if no surface of the later map lies within this distance
 
 
 def scenario_of(drift_m: float) -> Scenario:
@@ -54,7 +54,7 @@ def _map_of(submaps: Iterable[tuple[SubmapRecord, voxnav.Submap]], T_W_S_by_id: 
 
 def _changes(collection: voxnav.SubmapCollection, T_est: Array, T_true: Array,
              trucks: list[Array]) -> list[tuple[str, int, float]]:
-    """The changes that the map lists, as (kind, voxels, metres to the nearest place of the truck)."""
+    """Returns the changes that the map lists, as (kind, voxels, metres to the nearest place of the truck)."""
     out = []
     for change in collection.changes(10):
         center = aligned_surface(np.array([change["center"]]), T_est, T_true)[0]

@@ -43,7 +43,7 @@ class Solved(NamedTuple):
 
 
 def errors_of(T_est: Array, T_true: Array) -> Errors:
-    """Errors of (n, 4, 4) poses against true ones of the same times."""
+    """Computes the errors of (n, 4, 4) poses against true poses of the same times."""
     p, q = T_est[:, :3, 3], T_true[:, :3, 3]
     R, t = align_se3(p, q)
     left = p @ R.T + t - q
@@ -55,7 +55,7 @@ def errors_of(T_est: Array, T_true: Array) -> Errors:
 
 def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
           optimizer_config: voxnav.OptimizerConfig | None = None) -> Solved:
-    """Gives the submaps to an optimiser session in their order and solves after each, as in flight."""
+    """Adds the submaps to an optimiser session one after another and solves after each one, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
     for record, submap in flight.submaps:
         session.add_submap(record, submap.registration_field(record.stamps_s, record.T_S_B))
@@ -68,7 +68,7 @@ def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
 
 
 def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
-    """(n, 3) surface points of the merged map in frame W, which is what users of the map get."""
+    """Returns (n, 3) surface points of the merged map in frame W, as users of the map see it."""
     collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
         collection.add(record.id, submap, T_W_S_by_id[record.id], record.end_s, bends.get(record.id))
@@ -76,7 +76,7 @@ def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[in
 
 
 def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
-    """(n, 3) surface points in frame W that each submap saw itself, and which alignment therefore moves."""
+    """Returns (n, 3) surface points in frame W that the submaps observed, which move with the poses of the submaps."""
     parts = []
     for record, submap in flight.submaps:
         T = T_W_S_by_id[record.id]
@@ -86,12 +86,12 @@ def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, 
 
 
 def aligned_surface(points: Array, T_est: Array, T_true: Array) -> Array:
-    """(n, 3) points moved by the SE(3) alignment of the estimated trajectory to the true one."""
+    """Returns (n, 3) points moved by the SE(3) alignment of the estimated trajectory to the true one."""
     R, t = align_se3(T_est[:, :3, 3], T_true[:, :3, 3])
     return points @ R.T + t
 
 
 def surface_share(points: Array, world: AnyWorld, within_m: float, limit: int = 40000) -> float:
-    """Share of (n, 3) points within a distance of the true surface."""
+    """Returns the share of (n, 3) points that lie within a distance of the true surface."""
     distance = world.surface_distance(points[::max(1, len(points) // limit)], 5.0)
     return float(np.mean(distance <= within_m))

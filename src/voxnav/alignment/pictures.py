@@ -56,7 +56,7 @@ def draw_trunks(path: str, surfaces: dict[str, Array], world: Any, center: Array
 
 
 def draw_places(path: str, maps: dict[str, tuple[Array, list[Array]]], world: Any) -> None:
-    """Draws what maps hold between knee and crown around some places.
+    """Draws the surfaces of maps between knee and crown around some places.
 
     maps: dict of title -> ((n, 3) aligned points, list of (4, 2) corners of the places)."""
     figure, axes = pyplot().subplots(1, len(maps), figsize=(6 * len(maps), 5), sharex=True, sharey=True,

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 class Scenario(NamedTuple):
     """A world and the path that is flown in it.
 
-    world: fields of WorldConfig (or the path of a YAML file), or None for the corridor. corners: (k, 2) of the path, in
-    order. drift_m: largest distance between estimated and true position, but for trend_m, to which it grows evenly
-    besides.
+    world: fields of WorldConfig (or the path of a YAML file), or None for the corridor. corners: (k, 2) corners of the
+    path, in order. drift_m: largest distance between estimated and true position without trend_m. trend_m: further
+    drift, which grows evenly to this value at the end of the flight.
     """
 
     name: str
@@ -54,7 +54,7 @@ def _rounds(width: float, depth: float, count: int) -> Array:
 
 
 def _mower(width: float, spacing: float, lines: int) -> Array:
-    """Way points of lines up and down a field, and of the way home along its side."""
+    """Returns waypoints of lines up and down a field, and of the way back along its side."""
     corners = []
     for k in range(lines):
         xs = (0.0, width) if k % 2 == 0 else (width, 0.0)
@@ -85,7 +85,7 @@ def _resampled(corners: Array, step_m: float) -> Array:
 
 
 def _around_obstacles(xy: Array, world: AnyWorld, height_m: float) -> Array:
-    """Moves points away from what stands nearer than a safe distance, and keeps the line through them smooth."""
+    """Moves points away from obstacles that are nearer than a safe distance, and keeps the line through them smooth."""
     clear_m, reach_m = 1.2, 0.1
     for _ in range(60):
         p = np.column_stack([xy, world.ground_height(xy[:, 0], xy[:, 1]) + height_m])
@@ -100,7 +100,7 @@ def _around_obstacles(xy: Array, world: AnyWorld, height_m: float) -> Array:
 
 
 def path_of(scenario: Scenario, world: AnyWorld) -> Array:
-    """The path of a scenario, (n, 4) x, y, z, yaw with one row per scan."""
+    """Returns the path of a scenario, (n, 4) x, y, z, yaw with one row for each scan."""
     if scenario.hover_s:
         n = int(scenario.hover_s * scenario.scan_hz)
         turn = 0.3 * np.sin(np.arange(n) * 0.02)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the demonstration asks of the UAV: take off, cross the world, arrive at its goal."""
+"""The mission of the demonstration: the UAV takes off, crosses the world and arrives at its goal."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def repository_file(name: str) -> str:
-    """Path of a file of this repository (development checkout or installed package)."""
+    """Returns the path of a file of this repository, in the development checkout or the installed package."""
     here = os.path.dirname(os.path.abspath(__file__))
     for root in (os.path.join(here, "..", "..", ".."), _package_path()):
         if root and os.path.exists(os.path.join(root, name)):
@@ -33,14 +33,14 @@ def _package_path() -> str | None:
 
 
 def simulated_world(world: str, seed: int) -> World:
-    """The world as the simulator has it, without ROS."""
+    """Generates the same world as the simulator, without ROS."""
     from voxnav import simulation
 
     return simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
 
 
 def goal_of(world: World, flight_height_m: float = 2.0) -> Array:
-    """Goal (3,) in W: the clear spot behind the trees, at flight height above its ground.
+    """Returns the goal (3,) in W: the clear spot behind the trees, at flight height above its ground.
 
     world: voxnav.simulation.World.
     """
@@ -53,5 +53,5 @@ def _circles(stems: Stems) -> Array:
 
 
 def trunks(world: World) -> Array:
-    """(n, 3) x y radius of the trunks and poles as generated. world: voxnav.simulation.World."""
+    """Returns (n, 3) x y radius of the trunks and poles as generated. world: voxnav.simulation.World."""
     return np.vstack([_circles(world.trunks()), _circles(world.poles())])

@@ -11,7 +11,7 @@ from voxnav.array_types import Array
 from voxnav.demo.record import FlightRecord
 from voxnav.plotting import pyplot
 
-# The bands of heights around the flight in which things stand in its way; ground and canopy would cover the picture.
+# Only things in this range of heights around the flight are drawn: ground and canopy would cover the picture.
 _SURFACE_BAND_M, _OBSTACLE_BAND_M = 1.2, 0.4
 
 
@@ -43,7 +43,7 @@ def _flight_level(record: FlightRecord) -> float | None:
 
 
 def top_view(path: str, record: FlightRecord, trunks: Array | None = None) -> None:
-    """Map, obstacles and path from above.
+    """Draws map, obstacles and path from above.
 
     trunks: (n, 3) x y radius in metres of the simulated world's trunks, drawn as truth, or None.
     """

@@ -15,14 +15,14 @@ Environment = Dict[str, str]
 
 
 def free_port() -> int:
-    """A TCP port nobody listens on now."""
+    """Returns a TCP port on which nobody listens at present."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
 
 
 class Process:
-    """A child in a process group of its own; stop() ends the whole group."""
+    """A child process in a process group of its own; stop() ends the whole group."""
 
     def __init__(self, command: list[str], log_path: str | None = None,
                  env: Environment | None = None) -> None:
@@ -56,14 +56,14 @@ class Process:
 
 
 def end_cleanly_when_terminated() -> None:
-    """SIGTERM ends the program like Ctrl-C does, so that what it started is stopped too."""
+    """Makes SIGTERM end the program like Ctrl-C, so that the processes that it started are stopped too."""
     def end(number: int, _: object) -> None:
         raise SystemExit(128 + number)
     signal.signal(signal.SIGTERM, end)
 
 
 def launch(launch_file: str, arguments: dict[str, Any], log_path: str) -> tuple[Process, Environment]:
-    """roslaunch on a private master. Returns (process, environment for further nodes)."""
+    """Starts roslaunch on a private master. Returns (process, environment for further nodes)."""
     port = free_port()
     env = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1")
     for name in ("ROS_HOSTNAME", "ROS_NAMESPACE"):
@@ -74,7 +74,7 @@ def launch(launch_file: str, arguments: dict[str, Any], log_path: str) -> tuple[
 
 
 def virtual_screen(size: str = "1600x1000x24") -> tuple[Process | None, str | None]:
-    """A running Xvfb and its display name, or (None, None) when Xvfb is not installed."""
+    """Starts Xvfb. Returns (process, name of its display), or (None, None) if Xvfb is not installed."""
     if shutil.which("Xvfb") is None:
         return None, None
     for number in range(90, 130):
@@ -92,7 +92,7 @@ def virtual_screen(size: str = "1600x1000x24") -> tuple[Process | None, str | No
 
 
 def screenshot(display: str, path: str) -> bool:
-    """Picture of a whole screen. Returns False when it could not be taken."""
+    """Takes a picture of a whole screen. Returns False if it could not be taken."""
     if shutil.which("import") is None:
         return False
     result = subprocess.run(["import", "-display", display, "-window", "root", path], timeout=60,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is remembered of a flight; plain data, filled by ``voxnav.nodes.flight_recorder``."""
+"""The record of a flight: plain data, filled by ``voxnav.nodes.flight_recorder``."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Track:
             self._stamps.append(stamp)
 
     def arrays(self) -> tuple[Array, Array]:
-        """(stamps (n,), positions (n, 3)), also while another thread adds to them."""
+        """Returns (stamps (n,), positions (n, 3)); another thread may add to them meanwhile."""
         n = len(self._stamps)  # positions come first: there are never fewer
         return np.array(self._stamps[:n]), np.array(self._positions[:n]).reshape(-1, 3)
 
 
 class FlightRecord:
-    """Unmeasured values are None."""
+    """The measurements of one flight; values that were not measured are None."""
 
     def __init__(self, world: str, seed: int | None = None) -> None:
         self.world, self.seed = world, seed
@@ -38,16 +38,16 @@ class FlightRecord:
         self.goal: Array | None = None
         self.min_clearance_m: float | None = None
         self.real_time_factor: float | None = None
-        self.speed_factor = 1.0  # what was asked for
+        self.speed_factor = 1.0  # the requested factor
         self.truth_track, self.odometry_track = Track(), Track()
         self.optimised: tuple[Array, Array] = (np.empty(0), np.empty((0, 3)))
-        self.optimised_poses: Array = np.empty((0, 4, 4))  # of the same stamps
+        self.optimised_poses: Array = np.empty((0, 4, 4))  # at the same stamps
         self.mission: tuple[float, float] | None = None
         self.stages: dict[str, Any] = {}
         self.rss_mb: dict[str, float] = {}
-        self.dropped_in_flight: dict[str, int] = {}  # by stage
+        self.dropped_in_flight: dict[str, int] = {}  # dropped messages by stage
         self.obstacle_points: Array = np.empty((0, 3))
-        self.surface_points: Array = np.empty((0, 3))  # of the global map
+        self.surface_points: Array = np.empty((0, 3))  # surface of the global map
         self.plans: list[Any] = []
 
     @property
@@ -59,13 +59,13 @@ class FlightRecord:
         return self.odometry_track.arrays()
 
     def until_its_end(self, track: tuple[Array, Array]) -> tuple[Array, Array]:
-        """The part of (stamps (n,), positions (n, 3)) up to the end of the mission."""
+        """Returns the part of (stamps (n,), positions (n, 3)) up to the end of the mission."""
         stamps, positions = track
         inside = stamps <= (np.inf if self.mission is None else self.mission[1])
         return stamps[inside], positions[inside]
 
     def flown_during_mission(self) -> tuple[Array, Array]:
-        """The true path from the goal's arrival to the end of the mission; by odometry where the truth is unknown."""
+        """Returns the path from the goal's arrival to the end of the mission, by odometry if the truth is unknown."""
         stamps, positions = self.truth if len(self.truth[0]) else self.odometry
         if self.mission is None or not len(stamps):
             return np.empty(0), np.empty((0, 3))

@@ -34,7 +34,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _dataset(args: argparse.Namespace) -> tuple[Any, bool, Array | None]:
-    """(dataset, whether it brings poses, T_B_L or None)."""
+    """Returns (dataset, whether it has poses, T_B_L or None)."""
     if os.path.isdir(args.data):
         return ScanFolder(args.data, args.poses), args.poses is not None, None
     from voxnav.offline.bag import Bag
@@ -54,7 +54,7 @@ def _reference(args: argparse.Namespace) -> tuple[Array, Array] | None:
 
 
 def mount_argument(T_B_L: Array | None) -> str:
-    """The launch argument sensor_mount: x y z qx qy qz qw of T_B_L (4, 4); None is the body's own place."""
+    """Returns the launch argument sensor_mount: x y z qx qy qz qw of T_B_L (4, 4); None is the identity."""
     if T_B_L is None:
         return "0 0 0 0 0 0 1"
     return " ".join("%.17g" % value for value in (*T_B_L[:3, 3], *voxnav.quaternion_of(np.ascontiguousarray(T_B_L))))
@@ -86,7 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from voxnav.nodes import mapping_mission  # not before: it imports rospy
 
         config = repository_file("rviz/mapping.rviz")
-        # From the start: a recording ends, and what rviz has not heard by then it never will.
+        # rviz starts before the recording is played: messages that it has not received by the end are never sent again.
         if not args.no_rviz:
             rviz = Rviz(env, config, os.path.join(args.out, "rviz.log"))
         bar = ProgressBar(dataset.num_scans)

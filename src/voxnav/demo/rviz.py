@@ -16,7 +16,7 @@ from voxnav.plotting import PicturesUnavailable
 
 
 class Rviz:
-    """rviz on the present screen, or on a virtual one where there is none; it stays until stop()."""
+    """rviz on the present screen, or on a virtual one if there is none; it runs until stop()."""
 
     # Software rendering needs a while until maps and markers are on screen.
     _DRAWING_S = 25.0

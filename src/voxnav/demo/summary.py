@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a flight was like, as numbers: ``summary.json`` and the table on the terminal."""
+"""The summary of a flight in numbers: ``summary.json`` and the table on the terminal."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from voxnav.array_types import Array, ArrayLike
 from voxnav.demo.record import FlightRecord
 
 
-# A simulation this near to the speed it was asked for has kept it; what is missing is its start.
+# A simulation this near to its requested speed has kept up with it; the rest is lost while it starts.
 _MIN_SPEED_SHARE = 0.98
 
 
 def path_length(positions: ArrayLike) -> float:
-    """Length of a polyline in metres. positions: (n, 3)."""
+    """Returns the length of a polyline in metres. positions: (n, 3)."""
     rows = np.asarray(positions)
     return float(np.sum(np.linalg.norm(np.diff(rows, axis=0), axis=1))) if len(rows) > 1 else 0.0
 
 
 def trajectory_error(track: tuple[Array, Array], truth: tuple[Array, Array]) -> float | None:
-    """RMSE after SE(3) alignment of (stamps, positions) against truth; None where it cannot be computed."""
+    """Returns the RMSE of (stamps, positions) against truth after SE(3) alignment; None if it cannot be computed."""
     if len(track[0]) < 3 or len(truth[0]) < 3:
         return None
     try:
@@ -34,7 +34,7 @@ def trajectory_error(track: tuple[Array, Array], truth: tuple[Array, Array]) -> 
 
 
 def fell_behind(record: FlightRecord) -> list[str]:
-    """What did not keep up with real time, in words; empty when everything did."""
+    """Tells in words what did not keep up with real time; empty if everything did."""
     out = ["%s dropped %d" % item for item in sorted(record.dropped_in_flight.items()) if item[1] > 0]
     if record.real_time_factor is not None and record.real_time_factor < _MIN_SPEED_SHARE * record.speed_factor:
         out.insert(0, "the simulation itself (factor %.2f)" % record.real_time_factor)
@@ -42,7 +42,7 @@ def fell_behind(record: FlightRecord) -> list[str]:
 
 
 def summarise(record: FlightRecord) -> dict[str, Any]:
-    """record: voxnav.demo.record.FlightRecord -> dict as DESIGN section 7 names it. Unmeasured fields are None."""
+    """Returns the fields of summary.json of a voxnav.demo.record.FlightRecord; those not measured are None."""
     flown = record.flown_during_mission()
     return {
         "reached": record.reached,
@@ -73,7 +73,7 @@ def _number(value: float | None, pattern: str = "%.2f", unit: str = "") -> str:
 
 
 def table(summary: dict[str, Any], question: str = "goal reached") -> str:
-    """The summary as text for a person."""
+    """Returns the summary as text for people."""
     lines = ["", "%-23s %s (%s)" % (question, "yes" if summary["reached"] else "NO", summary["reason"]),
              "true minimum clearance  " + _number(summary["min_clearance_m"], unit=" m")]
     if summary["straight_m"]:

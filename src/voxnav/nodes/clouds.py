@@ -6,7 +6,7 @@ from sensor_msgs.msg import PointCloud2, PointField
 
 
 def points_from_msg(cloud):
-    """(n, 3) float32 of a PointCloud2 whose x, y, z are float32; rows that are not finite are left out.
+    """Returns (n, 3) float32 of a PointCloud2 whose x, y, z are float32; rows that are not finite are left out.
 
     Raises ValueError naming the field that is missing or of another type.
     """
@@ -27,7 +27,7 @@ def points_from_msg(cloud):
 
 
 def points_to_msg(points, header):
-    """PointCloud2 with x y z (and intensity for four columns) float32. points: (n, 3) or (n, 4)."""
+    """Returns a PointCloud2 with x y z (and intensity for four columns) float32. points: (n, 3) or (n, 4)."""
     points = np.ascontiguousarray(points, dtype="<f4")
     names = ("x", "y", "z", "intensity")[:points.shape[1]]
     fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate(names)]

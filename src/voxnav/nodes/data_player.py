@@ -27,7 +27,7 @@ LAST_SCAN_LIMIT_S = 10.0  # its poses may never come
 
 
 class PlayerError(RuntimeError):
-    """The nodes do not answer; the text says which."""
+    """Nodes do not answer; the text tells which."""
 
 
 class DataPlayer:
@@ -62,7 +62,7 @@ class DataPlayer:
             self._changed.notify_all()
 
     def wait_for_subscribers(self, timeout_s=60.0):
-        """Until everybody who asked for one of the topics has it: what is played before is lost to him."""
+        """Waits until all subscribers of the topics are connected: they would miss what is played before."""
         deadline = time.monotonic() + timeout_s
         while not self._is_heard():
             if time.monotonic() > deadline:
@@ -94,7 +94,7 @@ class DataPlayer:
             rospy.logwarn("the recording ends within its last scan: %s", error)
 
     def keep_time(self):
-        """Lets the clock go on after the last scan, until the node ends, so that tf and rviz go on too."""
+        """Lets the clock run on after the last scan, until the node ends, so that tf and rviz keep working."""
         threading.Thread(target=self._tick, daemon=True).start()
 
     def _tick(self):
@@ -106,7 +106,7 @@ class DataPlayer:
 
     @property
     def offset_s(self):
-        """Played time less recorded time, or None before the first record."""
+        """Returns played time minus recorded time, or None before the first record."""
         return None if self._offset_ns is None else 1e-9 * self._offset_ns
 
     def _scans(self):
@@ -147,7 +147,7 @@ class DataPlayer:
 
     @staticmethod
     def _pose_of(record):
-        """The recorded pose as a message, to the last bit."""
+        """Returns the recorded pose as a message, to the last bit."""
         out = Pose()
         out.position.x, out.position.y, out.position.z = record.position
         out.orientation.x, out.orientation.y, out.orientation.z, out.orientation.w = record.q_xyzw
@@ -179,7 +179,7 @@ class DataPlayer:
 
 
 def _bytes_of(msg):
-    """Wire bytes of a message, so that a class made from a bag's own definition becomes the installed one."""
+    """Returns the wire bytes of a message, by which a class made from a bag's definition becomes the installed one."""
     import io
 
     buffer = io.BytesIO()

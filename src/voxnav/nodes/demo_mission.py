@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The demonstration's mission: take off, cross the world, arrive at the goal."""
+"""Flies the mission of the demonstration: take off, cross the world, arrive at the goal."""
 
 import os
 import time
@@ -18,7 +18,7 @@ WAITING_SLOWNESS = 10.0
 
 
 def wait_for_master(uri, timeout_s):
-    """Until the master knows whether time is simulated, which a node asks once, when it starts. Raises MissionError."""
+    """Waits until the master knows whether time is simulated: a node asks once, when it starts. Raises MissionError."""
     deadline = time.monotonic() + timeout_s
     while time.monotonic() < deadline:
         try:
@@ -31,7 +31,7 @@ def wait_for_master(uri, timeout_s):
 
 
 def fly(record, goal, map_dir, uav="uav1", is_leader=False):
-    """Fly to goal (3,), given in the map frame, on the master of the environment.
+    """Flies to goal (3,), given in the map frame, on the master of the environment.
 
     is_leader: the simulator waits for this mission (its leader is "demo") and for the nodes.
     Whatever stops the mission ends up in record.reason; the map goes to the folder map_dir.

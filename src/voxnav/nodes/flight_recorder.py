@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Flies one mission (take off, go to a goal) and remembers what happened."""
+"""Flies one mission (take off, go to a goal) and records it."""
 
 import os
 import threading
@@ -23,7 +23,7 @@ NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "su
          "planning_manager")
 
 FINAL_DIAGNOSTICS_S = 5.0
-# Lock-step: simulated time between two looks at the flight, and wall time for nodes to connect before it begins.
+# In lock-step: simulated time between two checks of the flight, and wall time for nodes to connect before it begins.
 LEADER_STEP_S = 0.5
 CONNECTION_S = 3.0
 # Lock-step lets half a second pass at once: what comes in one go must not be cut short.
@@ -39,14 +39,14 @@ class FlightRecorder:
     """Subscribes below the UAV's namespace and fills a voxnav.demo.record.FlightRecord."""
 
     def __init__(self, record, nodes=NODES, odometry_topic="estimation_manager/odom_main", leader=None):
-        """leader: TimeLeader of a lock-step simulation, or None where time runs by itself."""
+        """leader: TimeLeader of a lock-step simulation, or None if time runs by itself."""
         self.record, self._expected, self._leader = record, nodes, leader
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._obstacles = None
         self._dropped_before = {}
         self.speed_mps = 0.0
-        self.reasons = []  # of the planner, in order, each change once
+        self.reasons = []  # reasons of the planner, in order, each change once
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=TRACK_QUEUE)
         rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=TRACK_QUEUE)
         self._trajectory = rospy.Subscriber(TRAJECTORY, Path, self._on_trajectory, queue_size=1)
@@ -102,11 +102,11 @@ class FlightRecorder:
 
     @property
     def status(self):
-        """Newest PlannerStatus, or None."""
+        """Returns the newest PlannerStatus, or None."""
         return self._status
 
     def wait_until(self, condition, timeout_s, what):
-        """Wait in wall time for condition() to be true. Raises MissionError naming what was awaited."""
+        """Waits in wall time until condition() is true. Raises MissionError naming what was awaited."""
         deadline = time.monotonic() + timeout_s
         while not rospy.is_shutdown():
             with self._lock:
@@ -124,7 +124,7 @@ class FlightRecorder:
         return self._leader is not None and self._leader.is_leading
 
     def _let_time_run(self, deadline):
-        """Lock-step: a step further, until the planner has said what it makes of that instant."""
+        """In lock-step, lets time run one step further, until the planner has published its status of that instant."""
         try:
             now_s = self._leader.run_for(LEADER_STEP_S)
         except TimeoutError as error:
@@ -152,7 +152,7 @@ class FlightRecorder:
                 self._let_time_run(time.monotonic() + timeout_s)
         deadline = time.monotonic() + timeout_s
         response = take_off()
-        # Refused while nodes that lock-step waits for are still starting.
+        # A step is refused while nodes for which lock-step waits are still starting.
         while not response.success and time.monotonic() < deadline:
             time.sleep(0.5)
             response = take_off()
@@ -161,7 +161,7 @@ class FlightRecorder:
         self.wait_until(lambda: self._control is not None and self._control.flying_normally, timeout_s, "take-off")
 
     def send_goal(self, frame, goal):
-        """Give the planner a goal (3,) and wait until it has taken it. The mission begins with the first one."""
+        """Sends a goal (3,) and waits until the planner has taken it. The mission begins with the first goal."""
         request = ReferenceStampedSrvRequest()
         request.header.frame_id = frame
         request.reference.position.x, request.reference.position.y, request.reference.position.z = goal
@@ -179,7 +179,7 @@ class FlightRecorder:
                         "the planner to take the goal")
 
     def fly_to(self, frame, goal, timeout_s):
-        """Send the goal and wait until it is reached or given up."""
+        """Sends the goal and waits until it is reached or given up."""
         self.send_goal(frame, goal)
         try:
             self.wait_until(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
@@ -194,18 +194,18 @@ class FlightRecorder:
         return float(stamps[-1]) if len(stamps) else 0.0
 
     def optimise(self, timeout_s):
-        """Ask for a last solve, so that the whole flight is in the map; its trajectory is the one that is kept."""
+        """Requests a last solve, so that the whole flight is in the map; its trajectory is the one that is kept."""
         try:
             rospy.wait_for_service("submap_optimizer/optimize", timeout_s)
             rospy.ServiceProxy("submap_optimizer/optimize", Trigger)()
-            # The topic is latched: who comes anew gets the last one, and none that is still on its way.
+            # The topic is latched: a new subscriber gets the last message, and none that is still on its way to others.
             self._trajectory.unregister()
             self._on_trajectory(rospy.wait_for_message(TRAJECTORY, Path, timeout_s))
         except (rospy.ROSException, rospy.ServiceException) as error:
             rospy.logwarn("no final optimisation: %s", error)
 
     def wait_for_map(self, timeout_s):
-        """Until the map has taken the poses of the last solve."""
+        """Waits until the map has taken over the poses of the last solve."""
         revision = rospy.wait_for_message("submap_optimizer/submap_poses", SubmapPoses, timeout_s).revision
 
         def has_taken():
@@ -214,7 +214,7 @@ class FlightRecorder:
         self.wait_until(has_taken, timeout_s, "the map to take the poses of the last solve")
 
     def save_map(self, directory):
-        """The global map into a folder, and its surface into the record. Says so when that fails."""
+        """Saves the global map to a folder, and its surface to the record; logs a failure."""
         try:
             rospy.wait_for_service("submap_integrator/save", 5.0)
             answer = rospy.ServiceProxy("submap_integrator/save", String)(os.path.abspath(directory))
@@ -229,13 +229,13 @@ class FlightRecorder:
         return {"%s/%s" % (node, stage.name): stage.dropped for node, msg in nodes.items() for stage in msg.stages}
 
     def finish(self):
-        """Copy the newest diagnostics and clouds into the record."""
+        """Copies the newest diagnostics and clouds into the record."""
         with self._lock:
             nodes, self._nodes = self._nodes, {}
-        try:  # what they publish from now on counts everything until now
+        try:  # messages from now on count everything that happened until now
             self.wait_until(lambda: all(node in self._nodes for node in self._expected), FINAL_DIAGNOSTICS_S, "them")
         except MissionError:
-            pass  # what a silent node said before is the best there is
+            pass  # of a silent node only its earlier diagnostics are left
         with self._lock:
             nodes, obstacles = dict(nodes, **self._nodes), self._obstacles
         for stage, count in self._dropped(nodes).items():

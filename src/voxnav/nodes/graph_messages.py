@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the submap optimiser reads and publishes, as messages."""
+"""Conversions between messages and the inputs and outputs of the submap optimiser."""
 
 import math
 
@@ -26,12 +26,12 @@ _EARTH_RADIUS_M, _EARTH_E2 = 6378137.0, 6.69437999014e-3  # WGS84
 
 
 def seconds_of(stamp):
-    """Seconds as the core makes them of nanoseconds, to the last bit: rospy adds seconds and their fraction instead."""
+    """Converts a stamp to seconds with the same rounding as the core; rospy adds seconds and their fraction instead."""
     return 1e-9 * stamp.to_nsec()
 
 
 def record_from_msg(msg):
-    """SubmapRecord of a voxnav/Submap. Raises ValueError when poses or stamps are not usable."""
+    """Returns the SubmapRecord of a voxnav/Submap. Raises ValueError if poses or stamps are not usable."""
     if len(msg.pose_stamps) != len(msg.T_S_B):
         raise ValueError("submap %d has %d stamps for %d poses" % (msg.submap_id, len(msg.pose_stamps), len(msg.T_S_B)))
     stamps = np.array([seconds_of(stamp) for stamp in msg.pose_stamps])
@@ -43,7 +43,7 @@ def record_from_msg(msg):
 
 
 def field_from_msg(msg, record):
-    """What the submap is registered by, or None when the message carries none. Raises ValueError for damaged bytes."""
+    """Returns the DistanceField of a submap; None if the message has none. Raises ValueError for damaged bytes."""
     if not len(msg.data):
         return None
     return voxnav.Submap.from_bytes(bytes(msg.data)).registration_field(record.stamps_s, record.T_S_B)
@@ -68,13 +68,13 @@ def _earth_fixed(latitude_rad, longitude_rad, altitude_m):
 
 
 class FixReader:
-    """NavSatFix to metres east, north, up of the first fix (WGS84)."""
+    """Converts NavSatFix messages to metres east, north and up of the first fix (WGS84)."""
 
     def __init__(self):
         self._origin = None
 
     def read(self, msg):
-        """Fix, or None when the receiver has none or does not say how good it is."""
+        """Returns a Fix, or None if the receiver has none or does not tell its covariance."""
         values = (msg.latitude, msg.longitude, msg.altitude)
         if msg.status.status < 0 or msg.position_covariance_type == 0 or not all(map(math.isfinite, values)):
             return None
@@ -118,14 +118,14 @@ def trajectory_to_msg(session, stamp, map_frame):
 
 
 def _colour(kind, cost):
-    """The kind's colour, turning red with the residual."""
+    """Returns the colour of a constraint's kind, which turns red with the residual."""
     share = min(math.sqrt(max(cost, 0.0)) / _BAD_SIGMAS, 1.0)
     r, g, b = _COLOURS[kind]
     return ColorRGBA(r + share * (1.0 - r), g * (1.0 - share), b * (1.0 - share), 0.9)
 
 
 def markers_to_msg(session, stamp, map_frame, max_lines):
-    """Submaps as spheres, constraints between two of them as lines: one marker per kind, the newest constraints."""
+    """Makes markers of submaps (spheres) and constraints between two of them (lines): the newest ones of each kind."""
     header = Header(stamp=stamp, frame_id=map_frame)
     points = {i: Point(*T[:3, 3]) for i, T in session.graph.poses().items()}
     spheres = Marker(header=header, ns="submaps", type=Marker.SPHERE_LIST, points=list(points.values()))

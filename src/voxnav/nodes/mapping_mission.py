@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A recording played to the mapping nodes."""
+"""Plays a recording to the mapping nodes."""
 
 import os
 
@@ -17,7 +17,9 @@ CLOSING_LIMIT_S = 30.0
 
 
 def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav1"):
-    """Play it on the master of the environment; whatever stops it ends up in record.reason. The map goes to map_dir.
+    """Plays a recording on the master of the environment. Whatever stops it ends up in record.reason.
+
+    The map is saved to map_dir.
 
     reference: (stamps, positions) on the recording's clock, or None.
     """
@@ -56,7 +58,7 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav
 
 
 def _close(recorder, record):
-    """Hand the open submap over, and wait until the map shows it."""
+    """Requests the handover of the open submap, and waits until the map contains it."""
     rospy.wait_for_service("local_mapper/close_submap", 10.0)
     answer = rospy.ServiceProxy("local_mapper/close_submap", Trigger)()
     if not answer.success:

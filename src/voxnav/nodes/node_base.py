@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every rospy node of voxnav does the same way: start and diagnostics."""
+"""Start and diagnostics, which all rospy nodes of voxnav share."""
 
 import contextlib
 import sys
@@ -14,7 +14,7 @@ from voxnav.msg import StageStatistics as StageStatisticsMsg
 
 
 class Diagnostics:
-    """Collects what a node has to say about itself; published once a second of wall time. Thread-safe."""
+    """Collects the diagnostics of a node, and publishes them once a second of wall time. Thread-safe."""
 
     def __init__(self, node):
         self._node = node
@@ -23,7 +23,7 @@ class Diagnostics:
         self._counters = {}
         self._level, self._message = NodeDiagnostics.OK, ""
         self._publisher = rospy.Publisher("~diagnostics_out", NodeDiagnostics, queue_size=2, latch=True)
-        # Wall time, so that the node is heard even when the simulated clock stands still.
+        # Diagnostics run on wall time, so that they are published even while the simulated clock stands still.
         self._stop = threading.Event()
         rospy.on_shutdown(self._stop.set)
         threading.Thread(target=self._run, name="diagnostics", daemon=True).start()
@@ -76,7 +76,7 @@ class Diagnostics:
 
 
 def run_node(name, make_node):
-    """Start a node: bad parameters end it with every problem listed, not with a traceback."""
+    """Starts a node. Bad parameters end it with a list of every problem instead of a traceback."""
     rospy.init_node(name)
     try:
         node = make_node()  # kept alive until shutdown

@@ -7,7 +7,7 @@ import voxnav
 
 
 def load_sections(**sections):
-    """Load every section of the private parameters.
+    """Loads every section of the private parameters.
 
     sections: name = configuration class. Returns the configurations in the order given.
     Raises voxnav.ConfigError listing every problem of every section; keys that belong to no

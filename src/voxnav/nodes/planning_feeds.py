@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Grids and heartbeats that the planner is fed with."""
+"""Inputs of the planner: grids, and heartbeats of other nodes."""
 
 import collections
 import threading
@@ -16,7 +16,7 @@ SNAPSHOT_INTERVAL_S = 1.0
 
 
 class GridFeed:
-    """One GridUpdate topic into a layer of the NavigationMap; asks for a snapshot when a change was missed."""
+    """Applies one GridUpdate topic to a layer of the NavigationMap; requests a snapshot if a change was missed."""
 
     def __init__(self, topic, service, apply, on_applied, timeout_s, seam):
         """on_applied(stamp_s) is called for every update that has been taken."""
@@ -77,18 +77,18 @@ class GridFeed:
 
 
 class WaitingGridFeed(GridFeed):
-    """A feed whose updates come into the node by way of the seam."""
+    """A GridFeed whose updates are delivered by the time seam."""
 
     def _on_update(self, msg):
         self._seam.deliver(msg.header.stamp.to_sec(), self.receive, msg)
 
 
 class Heartbeats:
-    """Which of the required nodes are gone (nobody publishes their diagnostics) or silent."""
+    """Watches which of the required nodes are gone (nobody publishes their diagnostics) or silent."""
 
     def __init__(self, names, timeout_s, seam):
         self._timeout_s, self._seam = timeout_s, seam
-        self._heard = {name: None for name in names}  # marks of the seam's clock
+        self._heard = {name: None for name in names}  # times of the last diagnostics, by the seam's clock
         self._topics = {name: rospy.Subscriber(name + "/diagnostics", NodeDiagnostics, self._on_message,
                                                callback_args=name, queue_size=2) for name in names}
 
@@ -98,6 +98,6 @@ class Heartbeats:
     def lost(self):
         for name, topic in self._topics.items():
             if topic.get_num_connections() == 0:
-                self._heard[name] = None  # once back, it has to say so
+                self._heard[name] = None  # a node that comes back has to publish diagnostics again
         return [name for name, heard in self._heard.items()
                 if heard is None or self._seam.elapsed_s(heard) > self._timeout_s]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Goals from topics and services in any frame, into the map frame W."""
+"""Takes goals from topics and services in any frame, and converts them to the map frame W."""
 
 import numpy as np
 import rospy
@@ -61,7 +61,7 @@ class PlanningGoals:
             rospy.logwarn("goal refused: %s", problem)
 
     def _take(self, frame, position, heading, keeps_altitude=False):
-        """Why the goal is refused, '' when it is taken."""
+        """Sets a goal. Returns why it is refused, or ''."""
         try:
             if not np.isfinite(position).all() or (heading is not None and not np.isfinite(heading)):
                 return "goal is not finite"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the planner is told: vehicle, tracker, constraints, maps, map correction, heartbeats."""
+"""Subscribes to the inputs of the planner: vehicle, tracker, constraints, maps, map correction, heartbeats."""
 
 import struct
 
@@ -19,12 +19,12 @@ IDENTITY = Transform(rotation=Quaternion(w=1.0))
 
 
 def rotation(q):
-    """3x3 matrix of a geometry_msgs/Quaternion. Raises ValueError when it is none."""
+    """Returns the 3x3 matrix of a geometry_msgs/Quaternion. Raises ValueError if it is not a rotation."""
     return files.rotation_from_quaternion([q.x, q.y, q.z, q.w])
 
 
 def matrix(position, orientation):
-    """(4, 4) of the parts of a pose or a transform."""
+    """Returns the (4, 4) matrix of the parts of a pose or a transform."""
     out = np.eye(4)
     out[:3, :3] = rotation(orientation)
     out[:3, 3] = (position.x, position.y, position.z)
@@ -32,17 +32,17 @@ def matrix(position, orientation):
 
 
 class PlanningInputs:
-    """Subscribes to everything and keeps manager and map up to date. `lock` guards the manager.
+    """Subscribes to all inputs and passes them to the manager and the map. `lock` protects the manager.
 
-    seam: of voxnav.nodes.time_seam; on_jump(sentence) is called when the odometry frame jumps.
+    seam: a time seam of voxnav.nodes.time_seam; on_jump(sentence) is called when the odometry frame jumps.
     """
 
     def __init__(self, config, manager, navigation_map, lock, on_jump, seam):
         self._config, self._manager, self._map, self._lock = config, manager, navigation_map, lock
         self._on_jump, self._seam = on_jump, seam
-        self._stamps_s = {"odometry": 0.0, "tracker": 0.0, "control": 0.0}  # the newest
-        self._optimised_T_W_O = None  # as the optimiser says it; None: as tf has it
-        self._correction_stamp = self._correction_mark = None  # the newest on tf, and when it was seen first
+        self._stamps_s = {"odometry": 0.0, "tracker": 0.0, "control": 0.0}  # newest stamps
+        self._optimised_T_W_O = None  # published by the optimiser; None: that of tf is used
+        self._correction_stamp = self._correction_mark = None  # newest on tf, when first seen
         self.odometry_frame, self.map_frame = "", config.map_frame
         self.T_W_O = None
         self.position_O = self.limits = None
@@ -63,11 +63,11 @@ class PlanningInputs:
         rospy.Subscriber("~control_diagnostics_in", ControlManagerDiagnostics, self._on_control, queue_size=1)
         rospy.Subscriber("~constraints_in", DynamicsConstraints, self._on_constraints, queue_size=1)
         self._poses_in = rospy.Subscriber("~submap_poses_in", SubmapPoses, self._on_submap_poses, queue_size=1)
-        # Raw: a prediction of 40 full states at 100 Hz costs much to decode and is needed at the main rate at most.
+        # The subscription is raw: decoding 40 full states at 100 Hz is costly, and the main rate suffices.
         rospy.Subscriber("~tracker_cmd_in", rospy.AnyMsg, self._on_tracker, queue_size=1)
 
     def _is_caught_up(self, now_s):
-        """What the vehicle has sent up to a time has come."""
+        """Returns True if all messages of the vehicle up to a time have come."""
         return min(self._stamps_s.values()) > now_s - 1e-4
 
     def _note(self, what, stamp_s):
@@ -75,7 +75,7 @@ class PlanningInputs:
         self._seam.arrived()
 
     def update(self, now_s):
-        """Before each tick: what is not driven by its own message."""
+        """Updates the inputs that have no messages of their own; to be called before each tick."""
         self._update_correction(now_s)
         self._update_prediction()
         with self._lock:
@@ -83,7 +83,7 @@ class PlanningInputs:
             self._manager.set_frames(self.local.frame, self.odometry_frame)
 
     def reset(self):
-        """After a jump of the clock."""
+        """Forgets stamps and corrections; to be called after a jump of the clock."""
         self.tf_buffer.clear()
         self.T_W_O = self._optimised_T_W_O = None
         self._map.clear_local()
@@ -173,9 +173,9 @@ class PlanningInputs:
         self._optimised_T_W_O = T_W_O
 
     def _update_correction(self, now_s):
-        """T_W_O is what the optimiser has published with the poses of its submaps; tf shows that it is alive.
+        """Updates T_W_O, which the optimiser publishes with the poses of its submaps; tf shows that it is alive.
 
-        Before there are submaps, and where nobody publishes their poses, it is what tf says.
+        Before there are submaps, and if nobody publishes their poses, T_W_O is that of tf.
         """
         if not self._config.use_map_correction:
             self.map_frame = self.odometry_frame or self.map_frame
@@ -197,7 +197,7 @@ class PlanningInputs:
 
     def _set_correction(self, stamp_s, transform):
         if self._poses_in.get_num_connections() == 0:
-            self._optimised_T_W_O = None  # an optimiser that starts anew will say where W is
+            self._optimised_T_W_O = None  # a restarted optimiser will publish it again
         try:
             T = matrix(transform.translation, transform.rotation)
         except ValueError as error:

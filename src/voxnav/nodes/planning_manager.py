@@ -32,7 +32,7 @@ class PlanningManagerNode:
         self._planner, self._search_time_s = voxnav.AStarPlanner(planner.search_config()), planner.timeout_s
         self._map = voxnav.NavigationMap(limits)
         self._manager = PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
-        self._lock = threading.RLock()  # guards the manager
+        self._lock = threading.RLock()  # protects the manager
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
         self._waypoints, self._last_now = np.zeros((0, 3)), 0.0
@@ -47,7 +47,7 @@ class PlanningManagerNode:
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
         self._resume_kept_goal()
-        # What is flown is checked before anything new is begun, where the seam has them follow each other.
+        # The check of the flight comes first: where the seam calls them in turn, it runs before anything new starts.
         self._seam.every(node.check_rate_hz, self._check)
         self._seam.every(node.main_rate_hz, self._tick)
         self._seam.every(node.status_rate_hz, self._show)
@@ -125,7 +125,7 @@ class PlanningManagerNode:
             (self._commander if is_command else self._thinker).submit(action)
 
     def _answer(self, action):
-        """Do what is wanted and tell the manager; whatever goes wrong becomes a reason."""
+        """Executes an action and passes the answer to the manager; a failure becomes a reason."""
         with self._lock:
             is_wanted = self._manager.is_wanted(action)
         if not is_wanted:
@@ -166,7 +166,7 @@ class PlanningManagerNode:
             rospy.logerr_throttle(1.0, "[%s]: cannot hover: %s", NAME, problem)
         return lambda now: self._manager.hover_done(problem, now)
 
-    # The goal outlives the node, so that a restarted one flies on
+    # The goal is stored on the parameter server, so that a restarted node continues the flight
 
     def _keep_goal(self, goal_W):
         kept = None if goal_W is None else [float(x) for x in goal_W]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the planner shows: status, path markers, a line for mrs_uav_status."""
+"""The outputs of the planner for people: status, path markers, and a line for mrs_uav_status."""
 
 import numpy as np
 import rospy
@@ -43,7 +43,7 @@ class PlanningOutput:
         self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
 
     def publish(self, stamp, status, inputs, path_O, waypoints_O, position_W):
-        """status: of voxnav.planning_manager; paths: (k, 3) in frame O."""
+        """Publishes a status of voxnav.planning_manager and paths, (k, 3) in frame O."""
         self._publish_status(status, inputs.map_frame, stamp, position_W)
         flags = "-id planning_manager -p " + STATE_COLOURS[status.state]
         line = "%s: %s" % (STATE_NAMES[status.state], status.reason)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Services the planner calls, none of which may hang it, and MRS trajectories to and from the core."""
+"""The services that the planner calls without ever hanging on them, and conversions of MRS trajectories."""
 
 import queue
 import threading
@@ -12,13 +12,13 @@ from std_srvs.srv import Trigger, TriggerRequest
 
 import voxnav
 
-# rospy offers no timeout on a call, so a call that hangs keeps its thread; more than this are not started.
+# rospy offers no timeout for calls, so a call that hangs keeps its thread. No more threads than this are started.
 MAX_HANGING_CALLS = 3
-# MRS takes this step when a trajectory names none.
+# MRS uses this time step if a trajectory does not tell its own.
 DEFAULT_DT_S = 0.2
-# How often a call that has not been answered looks at the clock.
+# Period at which an unanswered call checks its timeout.
 POLL_S = 0.05
-# A start nearer than this is "now" to the MRS generator.
+# The MRS generator takes a start within this time for "now".
 MIN_LEAD_S = 0.25
 
 
@@ -30,14 +30,14 @@ class TimedService:
     """A service client whose calls end after a time, whatever the server does. Thread-safe."""
 
     def __init__(self, name, service_class, timeout_s, seam):
-        """seam: of voxnav.nodes.time_seam; measures the time."""
+        """seam: a time seam of voxnav.nodes.time_seam, which measures the time."""
         self._proxy, self._seam = rospy.ServiceProxy(name, service_class), seam
         self._timeout_s = timeout_s
         self._lock = threading.Lock()
         self._hanging = 0
 
     def call(self, request):
-        """The response. Raises ServiceError."""
+        """Calls the service and returns its response. Raises ServiceError."""
         with self._lock:
             if self._hanging >= MAX_HANGING_CALLS:
                 raise ServiceError("%s hangs" % self._proxy.resolved_name)
@@ -69,7 +69,7 @@ class TimedService:
 
 
 class ControlServices:
-    """Trajectory generator and control manager. Methods return a problem as text, '' when there is none."""
+    """Trajectory generator and control manager. Methods return a problem as text, '' if there is none."""
 
     def __init__(self, config, deviation_m, seam):
         self._config, self._deviation_m = config, deviation_m
@@ -78,10 +78,10 @@ class ControlServices:
         self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s, seam)
         self._hover = TimedService("~hover_out", Trigger, timeout_s, seam)
         self._input_id = 0
-        self._generated, self._headings = None, []  # newest answer of the generator, if it was asked for headings
+        self._generated, self._headings = None, []  # last answer of the generator, if headings were requested
 
     def generate(self, action, frame, now_s):
-        """(problem, voxnav.Trajectory or None) through the waypoints of a generate action."""
+        """Generates a trajectory through the waypoints of an action. Returns (problem, voxnav.Trajectory or None)."""
         try:
             response = self._get_path.call(GetPathSrvRequest(path=self._path(action, frame, now_s)))
         except ServiceError as error:
@@ -110,12 +110,12 @@ class ControlServices:
             waypoints = waypoints[1:]  # the generator begins with the present state itself
         path.points = [reference(p, action.heading_rad or 0.0) for p in waypoints]
         path.use_heading = action.heading_rad is not None
-        # Otherwise the generator slows the flight down to turn to the heading 0 of every waypoint.
+        # Otherwise the generator would slow the flight down to turn to the heading 0 of every waypoint.
         path.relax_heading = not path.use_heading
         return path
 
     def publish(self, trajectory, frame):
-        """Fly a voxnav.Trajectory at once; with the generator's headings, or, where it was cut, in the present one."""
+        """Publishes a voxnav.Trajectory to be flown at once; if it was cut, in the present heading."""
         self._input_id += 1
         message = TrajectoryReference(input_id=self._input_id, fly_now=True, dt=trajectory.dt_s)
         message.header.frame_id = frame
@@ -129,7 +129,7 @@ class ControlServices:
             return str(error)
         if not response.success:
             return response.message or "refused without a reason"
-        # The control manager accepts what its active tracker may still refuse.
+        # The control manager may accept a trajectory that its active tracker then refuses.
         if response.tracker_successes and not response.tracker_successes[0]:
             return "tracker: " + (response.tracker_messages[0] if response.tracker_messages else "refused")
         return ""

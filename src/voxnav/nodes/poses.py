@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses of messages and (4, 4) matrices."""
+"""Conversions between poses of messages and (4, 4) matrices."""
 
 import numpy as np
 from geometry_msgs.msg import Pose, Transform
@@ -8,7 +8,7 @@ import voxnav
 
 
 def pose_from_msg(msg):
-    """(4, 4) of a geometry_msgs/Pose. Raises ValueError when it is not finite or has no rotation."""
+    """Returns the (4, 4) matrix of a geometry_msgs/Pose. Raises ValueError if it is not finite or has no rotation."""
     p, q = msg.position, msg.orientation
     return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""submap_optimizer: keeps the graph of submaps and tells everyone where they are.
+"""The submap_optimizer node: optimises the graph of submaps and publishes their poses.
 
 Everything that touches the graph runs on one worker thread, so that a solve never blocks a callback.
 """
@@ -53,9 +53,9 @@ class SubmapOptimizer:
         self._odometry_frame, self._T_O_W = self._config.odometry_frame, np.eye(4)
         self._first_T_W_O = np.eye(4)
         self._latest_stamp = rospy.Time(0)
-        self._is_restored = threading.Event()  # before, nobody knows where W is
+        self._is_restored = threading.Event()  # before, T_W_O is not known
         self._advertise()
-        self._jobs.put(("restore", self._restore, ()))  # before the submaps that arrive from now on
+        self._jobs.put(("restore", self._restore, ()))  # runs before the submaps that arrive from now on are added
         self._subscribe()
         threading.Thread(target=self._work, name="solver", daemon=True).start()
 
@@ -72,7 +72,7 @@ class SubmapOptimizer:
         rospy.Service("~save_g2o_in", String, self._on_save)
         rospy.Service("~enable_kind_in", String, lambda request: self._on_kind(request.value, True))
         rospy.Service("~disable_kind_in", String, lambda request: self._on_kind(request.value, False))
-        # Wall time: the correction has to be on tf also while a simulated clock is stepped.
+        # The timer runs on wall time: the correction has to be on tf also while a simulated clock is stepped.
         threading.Thread(target=self._broadcast, name="tf", daemon=True).start()
 
     def _subscribe(self):
@@ -85,7 +85,7 @@ class SubmapOptimizer:
             rospy.Subscriber("~gnss_in", NavSatFix, self._on_fix, queue_size=50)
 
     def _restore(self):
-        """After a restart in flight the integrator still has every finished submap, the master where W was."""
+        """Restores the graph after a restart in flight from the integrator's submaps and the master's T_W_O."""
         try:
             first_T_W_O, last_T_W_O = self._kept_corrections()
             self._session.T_W_O = first_T_W_O
@@ -97,7 +97,7 @@ class SubmapOptimizer:
             self._is_restored.set()
 
     def _kept_corrections(self):
-        """T_W_O when the first submap was placed and when the last one was: W must stay where it is."""
+        """Returns T_W_O when the first and the last submap were placed, since W must not move by a restart."""
         kept = rospy.get_param(self._kept_name, {})
         age_s = rospy.Time.now().to_sec() - kept.get("stamp_s", -math.inf)
         if not 0.0 <= age_s < KEPT_CORRECTION_AGE_S:
@@ -115,7 +115,7 @@ class SubmapOptimizer:
             self._T_O_W = np.linalg.inv(self._session.T_W_O)
 
     def _restore_submaps(self):
-        """True when there are any."""
+        """Requests the finished submaps from the integrator. Returns True if there are any."""
         try:
             rospy.wait_for_service("~get_submaps_out", timeout=2.0)
             answer = rospy.ServiceProxy("~get_submaps_out", GetSubmaps)()
@@ -133,7 +133,7 @@ class SubmapOptimizer:
         rospy.loginfo("[%s]: restored %d submaps", NAME, len(self._session.records))
         return True
 
-    # Callbacks: they only hand over.
+    # Callbacks: they only queue work for the worker.
 
     def _enqueue(self, stage, function, *arguments):
         try:
@@ -164,7 +164,7 @@ class SubmapOptimizer:
         self._session.add_height(Height(msg.header.stamp.to_sec(), msg.value))
 
     def _ask(self, function, *arguments):
-        """Run on the worker and wait. Returns (success, message)."""
+        """Runs a function on the worker thread and waits for it. Returns (success, message)."""
         answers = queue.Queue(maxsize=1)
 
         def job():
@@ -205,7 +205,7 @@ class SubmapOptimizer:
                 rospy.logwarn_throttle(1.0, "[%s]: %s refused: %s", NAME, stage, error)
 
     def _take(self, msg):
-        """Add one submap. True when it is new."""
+        """Adds one submap. Returns True if it is new."""
         record = graph_messages.record_from_msg(msg)
         with self._diagnostics.time("add"):
             is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg, record))

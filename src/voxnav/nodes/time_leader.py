@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Says how far simulated time may run, so that commands come at instants that do not depend on the machine."""
+"""Decides how far simulated time may run, so that commands come at instants that do not depend on the machine."""
 
 import time
 
@@ -9,14 +9,14 @@ from voxnav.nodes.time_seam import exact_time
 
 # The stamps at which the leader stops time are multiples of this: ends of sweeps at 10 and 20 Hz.
 STEP_S = 0.1
-# Longer than the simulator waits for a silent node (lockstep_timeout_s), so that it can say which one it was.
+# This is longer than the simulator waits for a silent node (lockstep_timeout_s), so that it can report which one.
 ANSWER_LIMIT_S = 120.0
 
 
 class TimeLeader:
     """The leader of a lock-step simulation: time stands still before release() but for the calls of run_for().
 
-    name: as the simulator's parameter lockstep_leader has it.
+    name: the value of the simulator's parameter lockstep_leader.
     """
 
     def __init__(self, name):
@@ -24,7 +24,7 @@ class TimeLeader:
         self._publisher = rospy.Publisher("progress", Progress, queue_size=10)
 
     def run_for(self, duration_s):
-        """Let time run, and return the instant at which it stands still again. Raises TimeoutError."""
+        """Lets time run, and returns the instant at which it stands still again. Raises TimeoutError."""
         if self._horizon_s is None:
             self._wait(lambda: self._publisher.get_num_connections() > 0, "the simulator to listen")
             self._horizon_s = rospy.Time.now().to_sec()
@@ -35,11 +35,11 @@ class TimeLeader:
 
     @property
     def now_s(self):
-        """The instant at which time stands still."""
+        """Returns the instant at which time stands still."""
         return self._horizon_s
 
     def release(self):
-        """Time runs on by itself from here."""
+        """Lets time run on by itself from here."""
         self.is_leading = False
         self._publisher.publish(Progress(node=self._name, stamp=rospy.Time(4000000000)))
 

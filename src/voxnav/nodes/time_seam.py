@@ -24,20 +24,20 @@ from voxnav.msg import Progress
 # The simulation stands still this long after the stamp of a local map, which is the begin of its sweep, for the map's
 # consumers: the length of a sweep, as lockstep_lag_s in simulation.launch.
 SWEEP_S = 0.1
-# What the simulation has sent by then comes soon or never.
+# Messages that the simulation has sent arrive within this time or never.
 INPUT_WAIT_S = 0.5
-# Timers step in when no map has come for this long, so that the vehicle still stops.
+# Timers take over if no map has come for this long, so that the vehicle still stops.
 MISSING_MAP_S = 1.0
 MAX_HELD_INPUTS = 200
 
 
 def exact_time(seconds):
-    """rospy.Time, rounded to the nanosecond: Time.from_sec() cuts off, and lock-step compares stamps exactly."""
+    """Returns a rospy.Time rounded to nanoseconds: Time.from_sec() truncates, and lock-step compares stamps exactly."""
     return rospy.Time(0, int(round(1e9 * seconds)))
 
 
 class ProgressPublisher:
-    """Tells whoever lets time pass (the simulator, a player) what has been dealt with and what is about to come."""
+    """Reports to whoever lets time pass (the simulator, a player) which inputs are done and which are about to come."""
 
     def __init__(self, config, node):
         """config: voxnav.TimeConfig"""
@@ -45,17 +45,17 @@ class ProgressPublisher:
         self._publisher = rospy.Publisher("~progress_out", Progress, queue_size=50)
 
     def publish(self, stamp):
-        """Everything up to the stamp has been dealt with."""
+        """Reports that all inputs up to the stamp are done."""
         self._publisher.publish(Progress(node=self._node, stamp=stamp))
 
     def announce(self, stamp):
-        """The consumers are about to be sent something; they will report this stamp when they are done with it."""
+        """Announces that a message is about to be sent to the consumers, which report this stamp when it is done."""
         for node in self._consumers:
             self._publisher.publish(Progress(node=node, stamp=stamp, is_begun=True))
 
 
 class ThreadExecutor:
-    """Runs items one after the other in a thread of its own; a few may wait."""
+    """Runs items one after another in a thread of its own; a bounded number may wait."""
 
     def __init__(self, name, run):
         self._name, self._run, self._queue = name, run, queue.Queue(maxsize=8)
@@ -91,7 +91,7 @@ class RealTime:
 
     @staticmethod
     def mark():
-        """To be given to elapsed_s()."""
+        """Returns the present time of the seam's clock, for elapsed_s()."""
         return time.monotonic()
 
     @staticmethod
@@ -100,18 +100,18 @@ class RealTime:
 
     @staticmethod
     def every(rate_hz, callback):
-        """Call back at a rate, for as long as the node lives."""
+        """Calls back at a rate for as long as the node runs."""
         rospy.Timer(rospy.Duration(1.0 / rate_hz), lambda _: callback(), reset=True)
 
     @staticmethod
     def deliver(_, take, *arguments):
-        """An input is taken as soon as it comes."""
+        """Takes an input as soon as it comes."""
         take(*arguments)
 
     @staticmethod
     @contextlib.contextmanager
     def stop_after(duration_s):
-        """A voxnav.StopFlag that is raised when what is done with it takes longer."""
+        """Returns a voxnav.StopFlag that is raised after a time, and so stops a search that takes longer."""
         stop = voxnav.StopFlag()
         timer = threading.Timer(duration_s, stop.raise_)
         timer.start()
@@ -121,13 +121,13 @@ class RealTime:
             timer.cancel()
 
     def wait_for(self, is_caught_up):
-        """is_caught_up(now_s): all that is sent up to a time has come. Nobody waits for it in real time."""
+        """Sets is_caught_up(now_s): whether all inputs up to a time have come. Real time does not wait for it."""
 
     def arrived(self):
-        """An input has come that is_caught_up() looks at."""
+        """Tells that an input of is_caught_up() has come. Nothing waits for it in real time."""
 
     def map_arrived(self, stamp_s):
-        """A local map has been taken."""
+        """Tells that a local map has been taken over. Nothing waits for it in real time."""
 
 
 class WaitingSimulation:
@@ -159,19 +159,19 @@ class WaitingSimulation:
         return min(time.monotonic() - mark[0], (rospy.Time.now() - mark[1]).to_sec())
 
     def every(self, rate_hz, callback):
-        """Call back after each map, in the order of these calls; at the rate only while maps are missing."""
+        """Calls back after each map, in the order of these calls; at the rate only while maps are missing."""
         self._periodic.append(callback)
         rospy.Timer(rospy.Duration(1.0 / rate_hz), lambda _: self._is_map_missing() and callback(), reset=True)
 
     def deliver(self, stamp_s, take, *arguments):
-        """An input waits for the first map that is newer than it."""
+        """Holds an input until the first map that is newer."""
         with self._lock:
             self._held.append((stamp_s, take, arguments))
 
     @staticmethod
     @contextlib.contextmanager
     def stop_after(_):
-        """Time stands still: nothing takes long."""
+        """Returns a StopFlag that is never raised: time stands still while a search runs."""
         yield voxnav.StopFlag()
 
     def wait_for(self, is_caught_up):
@@ -215,9 +215,9 @@ class WaitingSimulation:
 
 
 def seam_for(config, node):
-    """RealTime or WaitingSimulation, as the section `time` of the node's parameters says.
+    """Returns RealTime or WaitingSimulation, as the section `time` of the node's parameters chooses.
 
     config: voxnav.TimeConfig; node: its name
     """
-    progress = ProgressPublisher(config, node)  # advertised in both, so that launch files remap it in both
+    progress = ProgressPublisher(config, node)  # on both kinds of time, so that launch files remap it on both
     return WaitingSimulation(progress) if config.waits_for_simulation else RealTime()

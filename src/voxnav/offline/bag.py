@@ -14,14 +14,14 @@ import voxnav
 from voxnav.array_types import Array
 from voxnav.offline.datasets import DatasetError, Imu, Odometry, Scan
 
-# Messages that are looked through for the sensor's mount.
+# Number of messages that are searched for the sensor's mount.
 _MAX_STATIC_TRANSFORMS = 1000
 
 _CLOUD, _ODOMETRY, _IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
 
 
 def _open(path: str, warnings: list[str]) -> tuple[Any, str | None]:
-    """A readable bag. One without an index (truncated, not closed) is repaired in a temporary copy."""
+    """Opens a bag. One without an index (truncated, not closed) is repaired in a temporary copy."""
     import rosbag  # here, so that raw scan folders need no ROS
 
     if not os.path.exists(path):
@@ -48,7 +48,7 @@ def _open(path: str, warnings: list[str]) -> tuple[Any, str | None]:
 
 
 def _pose(msg: Any) -> Array:
-    """(4, 4) of a Transform."""
+    """Returns the (4, 4) matrix of a Transform."""
     q, p = msg.rotation, msg.translation
     return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
@@ -96,7 +96,7 @@ class Bag:
         return next((msg for _, msg, _ in self._bag.read_messages(topics=[topic])), None)
 
     def _mount(self) -> Array:
-        """T_B_L from the frames that cloud and odometry (or IMU) name."""
+        """Returns T_B_L from the frames that the messages of the cloud and of odometry (or IMU) name."""
         cloud, body = self._first(self.cloud_topic).header.frame_id, ""
         if self.odometry_topic:
             body = self._first(self.odometry_topic).child_frame_id

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``scripts/map_bag``: map a recording as fast as the machine allows."""
+"""``scripts/map_bag``: maps a recording as fast as the machine allows."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from voxnav.offline.runner import OfflineMapper
 
 
 class ProgressBar:
-    """One line on the terminal; a line every tenth of the way where the output is not a terminal."""
+    """One line on the terminal; ten lines in all if the output is not a terminal."""
 
     def __init__(self, total: int) -> None:
         self._total, self._started, self._last = max(total, 1), time.monotonic(), -1
@@ -60,7 +60,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def rotation_from_rpy(rpy_rad: ArrayLike) -> Array:
-    """(3, 3) rotation of fixed-axis roll, pitch, yaw."""
+    """Returns the (3, 3) rotation of fixed-axis roll, pitch, yaw."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
     return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
                      [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
@@ -81,7 +81,7 @@ def _configs(path: str | None) -> dict[str, Any]:
 
 
 def _mount(settings: voxnav.OfflineConfig) -> Array | None:
-    """T_B_L as configured, or None when it is not."""
+    """Returns T_B_L as configured, or None if it is not configured."""
     if not np.any(settings.mount_position_m) and not np.any(settings.mount_rpy_rad):
         return None
     T_B_L = np.eye(4)
@@ -91,7 +91,7 @@ def _mount(settings: voxnav.OfflineConfig) -> Array | None:
 
 
 def _dataset(args: argparse.Namespace, settings: voxnav.OfflineConfig) -> tuple[ScanFolder | Bag, Array]:
-    """The recording, and T_B_L."""
+    """Opens the recording. Returns it and T_B_L."""
     T_B_L = _mount(settings)
     if args.scans:
         return ScanFolder(args.scans, args.poses), np.eye(4) if T_B_L is None else T_B_L

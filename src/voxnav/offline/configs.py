@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Configuration of the offline runner: one YAML section per part."""
+"""The configuration of the offline runner, with one YAML section for each part."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SECTIONS: Dict[str, Any] = {
 
 
 def load_configs(tree: Any) -> dict[str, Any]:
-    """Configuration objects by section from a dict as YAML gives it.
+    """Returns the configuration objects by section, from a dict as YAML gives it.
 
     Raises voxnav.ConfigError listing every problem of every section; unknown sections are problems too.
     """

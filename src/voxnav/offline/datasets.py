@@ -47,7 +47,7 @@ MAX_WARNINGS = 1000
 
 
 class DatasetError(ValueError):
-    """The recording cannot be used; the text says what is missing and where."""
+    """A recording cannot be used; the text tells what is missing and where."""
 
 
 class ScanFolder:

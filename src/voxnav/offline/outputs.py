@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Everything a mapping run leaves behind (DESIGN section 8)."""
+"""Writes the files of a mapping run: trajectories, metrics, clouds, mesh, maps and the report."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from voxnav.plotting import PicturesUnavailable
 
 def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_distance_m: float, write_mesh: bool,
                   reference: tuple[Array, Array] | None = None) -> dict[str, Any]:
-    """Write all files of a run; returns the metrics.
+    """Writes all files of a run; returns the metrics.
 
     reference: (stamps, positions) to measure trajectory errors against, or None.
     """
@@ -67,7 +67,7 @@ def _errors(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array, 
 
 
 def _aligned(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array) -> Array | None:
-    """The reference in the frame of the run, for the picture."""
+    """Returns the reference in the frame of the run, for the picture."""
     target = evaluation.interpolate_positions(np.asarray(stamps), reference[0], reference[1])
     valid = np.all(np.isfinite(target), axis=1)
     if valid.sum() < 3:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``report.html``: one file with the pictures inside, so that it can be sent to somebody."""
+"""Writes ``report.html``, a single file that contains its pictures, so that it can be sent to somebody."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _image(figure: Any) -> str:
 
 
 def map_figure(occupied: Array, odometry: Array, optimised: Array, reference: Array | None = None) -> Any:
-    """Map from above, coloured by height, with the trajectories. occupied: (n, 3) metres."""
+    """Draws the map from above, coloured by height, with the trajectories. occupied: (n, 3) metres."""
     figure, axes = pyplot().subplots(figsize=(12, 8))
     if len(occupied):
         points = occupied[np.argsort(occupied[:, 2])]
@@ -46,7 +46,7 @@ def map_figure(occupied: Array, odometry: Array, optimised: Array, reference: Ar
 
 
 def stage_figure(stages: dict[str, Any]) -> Any:
-    """Mean and p99 of every stage."""
+    """Draws mean and p99 of every stage."""
     names = sorted(stages)
     figure, axes = pyplot().subplots(figsize=(10, 0.5 * len(names) + 1.5))
     rows = np.arange(len(names))
@@ -62,7 +62,7 @@ def stage_figure(stages: dict[str, Any]) -> Any:
 
 
 def memory_figure(memory: list[dict[str, float]]) -> Any:
-    """Memory over time. memory: list of dicts with time_s and *_mb."""
+    """Draws memory over time. memory: list of dicts with time_s and *_mb."""
     figure, axes = pyplot().subplots(figsize=(10, 3.5))
     times = [row["time_s"] for row in memory]
     for key in sorted(memory[0]):
@@ -83,7 +83,7 @@ def _table(rows: Iterable[Sequence[Any]], header: Iterable[str]) -> str:
 
 def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array, odometry: Array, optimised: Array,
                  reference: Array | None = None) -> None:
-    """metrics: what metrics.json holds."""
+    """Writes the report. metrics: the content of metrics.json."""
     stages = metrics["stages"]
     columns = ("count", "mean_ms", "median_ms", "p99_ms", "max_ms", "cpu_ms", "dropped")
     rows = [[name] + ["%.2f" % s[c] if isinstance(s[c], float) else s[c] for c in columns]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Filter, local map, submaps and graph over a recording, one scan after the other, deterministically."""
+"""Runs filter, local map, submaps and graph over a recording, one scan after another, deterministically."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Stages:
 
 
 def _record_of(finished: voxnav.FinishedSubmap) -> SubmapRecord:
-    """A FinishedSubmap for the graph, with its poses as they arrive at an optimiser that is a node of its own."""
+    """Returns a FinishedSubmap as a record for the graph, with its poses as they would arrive at the optimiser node."""
     poses = np.array([voxnav.as_sent(T) for T in finished.T_S_B]).reshape(-1, 4, 4)
     return SubmapRecord(finished.submap_id, finished.start, finished.stamp, voxnav.as_sent(finished.T_O_S),
                         finished.pose_stamps, poses)
@@ -48,8 +48,8 @@ def _record_of(finished: voxnav.FinishedSubmap) -> SubmapRecord:
 class OfflineMapper:
     """One mapping run. ``configs``: dict of configuration objects by section, see ``voxnav.offline.configs``.
 
-    Frames: O is the origin of the poses that come in, B the body; submaps are posed in W, which is O corrected.
-    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording brings poses; else LiDAR odometry finds them.
+    Frames: O is the origin of the input poses, B the body; the poses of submaps are in W, the corrected frame.
+    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording has poses; else LiDAR odometry estimates them.
     """
 
     def __init__(self, configs: dict[str, Any], T_B_L: Array, has_poses: bool) -> None:
@@ -82,7 +82,7 @@ class OfflineMapper:
         return self.mapper.map
 
     def add(self, record: Imu | Odometry | Scan) -> None:
-        """One record of a dataset: an IMU sample, a pose of the body or a scan."""
+        """Adds one record of a dataset: an IMU sample, a pose of the body or a scan."""
         if isinstance(record, Imu):
             self._add_imu(record)
         elif isinstance(record, Odometry):
@@ -95,7 +95,7 @@ class OfflineMapper:
         self._map_ready()
 
     def finish(self) -> voxnav.OptimizeReport:
-        """Close the open submap and solve once more, with everything."""
+        """Closes the open submap and solves once more, with all submaps."""
         self.mapper.end_input()
         self._map_ready()
         for handover in self.mapper.finish():
@@ -123,7 +123,7 @@ class OfflineMapper:
             self.mapper.queue_sweep(sweep, None if T_O_L is None else T_O_L @ self._T_L_B)
 
     def _filter(self, scan: Scan) -> tuple[voxnav.FilterResult, Array | None]:
-        """FilterResult, and the open beams (k, 3) or None."""
+        """Filters a scan. Returns the FilterResult, and the open beams (k, 3) or None."""
         if scan.raw is None:
             return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32)), None
         fields = [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields]
@@ -133,7 +133,7 @@ class OfflineMapper:
         return filtered, self._open_beams.find(scan.raw.data, layout) if self._open_beams else None
 
     def _map_ready(self) -> None:
-        """Map the scans whose poses are known by now."""
+        """Maps the scans whose poses are known by now."""
         while self.mapper.has_next():
             with self.stages.time("local map"):
                 step = self.mapper.next()
@@ -162,7 +162,7 @@ class OfflineMapper:
             self.warnings.append(text)
 
     def _take(self, handover: voxnav.Handover) -> None:
-        """A part of a submap, or the last of it: then it is filled and put into the graph, which is solved."""
+        """Takes a handover. The last part of a submap completes it; it is then added to the graph, which is solved."""
         with self.stages.time("submap fill"):
             result = self._assembler.add(handover.as_sent())
         if result.dropped:
@@ -181,7 +181,7 @@ class OfflineMapper:
         self.counts["solves"] += 1
 
     def _place_submaps(self) -> None:
-        """With poses as they arrive when the optimiser is a node of its own: the map is to be the same then."""
+        """Moves the submaps to their optimised poses, as they would arrive from the node, so that maps are equal."""
         poses = {i: voxnav.as_sent(T) for i, T in self.session.graph.poses().items()}
         bends = {i: np.array([voxnav.as_sent(T) for T in ends]) for i, ends in self.session.bends().items()}
         self.collection.set_poses(poses, bends)

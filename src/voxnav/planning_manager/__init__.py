@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The planning manager: a goal in, verified trajectories out. Plain Python, without ROS, threads and clocks.
 
-Three states (states.py), each with what it holds; every transition is a function that is told the state, the time and
-what has happened, and returns the next state and the actions to be done (actions.py). C++ does what must be fast or
-exact: the search and its cut (run_plan_job), corridors and stops (safe_part), trajectories.
+There are three states (states.py), each with its own data. Every transition is a function of the state, the time and
+the event, and returns the next state and the actions to be done (actions.py). C++ does what must be fast or exact: the
+search and the cut of its path (run_plan_job), corridors and stops (safe_part), trajectories.
 
 =========  =======================================  ========================  ======================  ================
 from       what happens                             to                        actions                 function

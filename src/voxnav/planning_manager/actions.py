@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the planning manager wants done. Each action is answered by the call of PlanningManager that it names."""
+"""The actions that the planning manager requests. The node answers each one by the call that its docstring names."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Optional, Union
@@ -11,7 +11,7 @@ from voxnav.planning_manager.reasons import Because
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Search a way with voxnav.run_plan_job; answered by plan_done."""
+    """Search a path with voxnav.run_plan_job; answered by plan_done."""
 
     name: ClassVar[str] = "plan"
     job: int
@@ -26,8 +26,8 @@ class Generate:
     name: ClassVar[str] = "generate"
     job: int
     waypoints_O: Array
-    start_stamp_s: Optional[float]  # when the vehicle will be at the first waypoint; None: it rests there
-    heading_rad: Optional[float]  # at the last waypoint, frame O; None: any
+    start_stamp_s: Optional[float]  # time at which the vehicle will be at the first waypoint; None: it rests there
+    heading_rad: Optional[float]  # heading at the last waypoint, frame O; None: any
 
 
 @dataclass(frozen=True, eq=False)

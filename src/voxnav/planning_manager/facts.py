@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a transition is told beside the state: the time, the inputs, the configuration."""
+"""The arguments of a transition beside the state: the time, the inputs, the configuration."""
 
 import math
 from dataclasses import dataclass
@@ -15,13 +15,16 @@ from voxnav.planning_manager.states import Flight, Goal, State
 
 T = TypeVar("T")
 Step = Tuple[State, Tuple[Action, ...]]
-# The map correction may move the goal this far in O before a way to it is planned anew.
+# The map correction may move the goal this far in O before a path to it is planned again.
 GOAL_SHIFT_M = 0.3
 
 
 @dataclass(frozen=True, eq=False)
 class Facts:
-    """job: number for a job that begins now. What is missing of the inputs raises LookupError where it is needed."""
+    """The arguments of a transition. job: number for a job that begins now.
+
+    Reading an input that is missing raises LookupError.
+    """
 
     now_s: float
     inputs: Inputs
@@ -38,7 +41,7 @@ class Facts:
 
     @property
     def control(self) -> Optional[Timed[Control]]:
-        """None when there are no diagnostics, or old ones."""
+        """The diagnostics of the control manager; None if there are none, or only old ones."""
         control = self.inputs.control
         if control is None or self.now_s - control.stamp_s > self.config.diagnostics_timeout_s:
             return None
@@ -58,16 +61,16 @@ class Facts:
         return math.remainder(goal.heading_rad - math.atan2(T_W_O[1, 0], T_W_O[0, 0]), 2.0 * math.pi)
 
     def predicted(self, time_s: float) -> Optional[Array]:
-        """Where the vehicle will be, as the tracker has it; None when it does not look that far."""
+        """Returns the position that the tracker predicts; None beyond the time that it predicts."""
         prediction = self.inputs.prediction
         return None if prediction is None else prediction.value.at(time_s)
 
     def flown(self, flight: Optional[Flight]) -> Optional[Flight]:
-        """The flight, if the vehicle is still on its way."""
+        """Returns the flight if the vehicle is still in motion along it, else None."""
         return flight if flight is not None and flight.is_flown(self.now_s) else None
 
     def has_goal_moved(self, flight: Flight, goal: Goal) -> bool:
-        """The map correction has moved the goal so far that the trajectory no longer leads to it."""
+        """Returns True if the map correction has moved the goal so far that the trajectory no longer leads to it."""
         return bool(np.linalg.norm(flight.goal_O - self.goal_O(goal)) > GOAL_SHIFT_M)
 
 

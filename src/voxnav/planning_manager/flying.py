@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Transitions of what is flown: a trajectory is verified, published, checked, shortened."""
+"""Transitions around the flown trajectory: it is verified, published, checked and shortened."""
 
 from dataclasses import replace
 from typing import Any, Optional
@@ -16,7 +16,7 @@ NO_MAP = "no map to check against"
 
 
 def check(state: State, view: Any, facts: Facts) -> Step:
-    """The corridor of what is flown must be known free; else the flight is shortened, or the vehicle brakes.
+    """Checks that the corridor of the flown trajectory is known to be free; else shortens the flight, or brakes.
 
     view: voxnav.OccupancyView; None counts as unsafe
     """
@@ -28,7 +28,7 @@ def check(state: State, view: Any, facts: Facts) -> Step:
         return state, ()
     is_shortening = isinstance(state.job, Publishing) and state.job.is_shortening
     if is_shortening and state.job is not None and facts.now_s - state.job.begin_s < facts.config.reaction_time_s:
-        return state, ()  # nothing else helps while a shortened trajectory is on its way
+        return state, ()  # a shortened trajectory is on its way to the tracker
     arc_m = flight.arc_m(facts.vehicle.position_O, facts.now_s)
     part = _safe_part(flight.trajectory, arc_m, flight.leads.radius_m, view, facts)
     problem = NO_MAP if part is None else part.problem
@@ -43,7 +43,7 @@ def check(state: State, view: Any, facts: Facts) -> Step:
 
 def generate_done(state: State, number: int, trajectory: Optional[Trajectory], problem: str, view: Any,
                   facts: Facts) -> Step:
-    """The trajectory itself is verified, and what is safe of it published.
+    """Verifies the generated trajectory itself, and publishes its safe part.
 
     trajectory: None where there is a problem; view: None counts as unsafe
     """
@@ -66,7 +66,7 @@ def generate_done(state: State, number: int, trajectory: Optional[Trajectory], p
 
 
 def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
-    """The tracker flies the trajectory from now on, or has refused it."""
+    """Takes the tracker's answer: it flies the trajectory from now on, or has refused it."""
     if isinstance(state, Idle) or not isinstance(state.job, Publishing) or state.job.job != number:
         return _late(state, problem, facts)
     job = state.job
@@ -83,7 +83,7 @@ def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
 
 
 def _late(state: State, problem: str, facts: Facts) -> Step:
-    """A trajectory that nobody waits for any more is flown all the same if the tracker took it: stop it."""
+    """Stops a trajectory that the tracker took although the state no longer waits for it."""
     if problem or isinstance(state, Idle) or isinstance(state.job, Publishing) or own_hover(state) is not None:
         return state, ()
     because = Because(Reason.BRAKE, "brake: a trajectory was accepted too late")
@@ -98,7 +98,7 @@ def _publish(state: Active, trajectory: Trajectory, leads: Leads, because: Becau
 
 def _safe_part(trajectory: Trajectory, from_arc_m: float, radius_m: float, view: Any,
                facts: Facts) -> Optional[SafePart]:
-    """None without a map."""
+    """Returns the safe part of a trajectory; None without a map."""
     if view is None:
         return None
     return safe_part(facts.config, view, trajectory, from_arc_m, radius_m, facts.vehicle.velocity_O, facts.limits)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the planning manager is told of the vehicle and the maps, and what of it is missing."""
+"""The inputs of the planning manager from the vehicle and the maps, and which of them are missing."""
 
 from dataclasses import dataclass, field
 from typing import Any, FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
@@ -16,7 +16,7 @@ Limits = Tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Timed(Generic[T]):
-    """A value and when it was true [s]."""
+    """A value and the time at which it was true [s]."""
 
     stamp_s: float
     value: T
@@ -34,13 +34,13 @@ class Vehicle:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Where the tracker will be: times [s], rising, and positions (n, 3) in O."""
+    """The tracker's prediction: rising times [s] and positions (n, 3) in O."""
 
     times_s: Sequence[float]
     positions_O: Array
 
     def at(self, time_s: float) -> Optional[Array]:
-        """None outside the predicted time."""
+        """Returns the position at a time; None outside the predicted time."""
         if len(self.times_s) == 0 or len(self.times_s) != len(self.positions_O):
             return None
         if not self.times_s[0] <= time_s <= self.times_s[-1]:
@@ -50,9 +50,9 @@ class Prediction:
 
 @dataclass(frozen=True)
 class Control:
-    """What the control manager says of itself and its tracker."""
+    """The diagnostics of the control manager and its tracker."""
 
-    is_flying: bool  # normally, neither taking off nor landing
+    is_flying: bool  # flies normally, neither takes off nor lands
     accepts_goals: bool  # callbacks are enabled; MRS takes them away while the tracker brakes to hover
     is_tracking: bool  # the tracker follows a trajectory
 
@@ -71,7 +71,7 @@ class Frames:
 
 @dataclass(frozen=True, eq=False)
 class Inputs:
-    """The newest of everything; None until it has come."""
+    """The newest value of every input; None until the first one has come."""
 
     vehicle: Optional[Timed[Vehicle]] = None
     prediction: Optional[Timed[Prediction]] = None
@@ -84,16 +84,16 @@ class Inputs:
 
     @property
     def is_on_ground(self) -> bool:
-        """Known not to fly."""
+        """True if the vehicle is known not to fly."""
         return self.control is not None and not self.control.value.is_flying
 
     @property
     def is_in_air(self) -> bool:
-        """Known to fly."""
+        """True if the vehicle is known to fly."""
         return self.control is not None and self.control.value.is_flying
 
     def missing(self, now_s: float, config: Any) -> Optional[Because]:
-        """Why nobody may fly now; None when all is well.
+        """Tells why the vehicle may not fly now; None if nothing is missing.
 
         config: voxnav.PlanningManagerConfig
         """
@@ -136,10 +136,10 @@ class Inputs:
 
 
 def _missing(value: Optional[Timed[T]], reason: Reason, what: str, oldest_s: Optional[float]) -> Optional[Because]:
-    """oldest_s: None when age does not matter."""
+    """Tells what is wrong with one input; None if nothing is. oldest_s: None if its age does not matter."""
     if value is None:
         return Because(reason, "no %s yet" % what)
-    # The age is not told: it would make a new text of every tick.
+    # The sentence does not tell the age, which would give a new text on every tick.
     if oldest_s is not None and value.stamp_s < oldest_s:
         return Because(reason, what + " lost")
     return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The object around the transitions: keeps the state, the inputs and the counters."""
+"""The object around the transitions, which holds the state, the inputs and the counters."""
 
 from dataclasses import replace
 from typing import Any, Iterable, List, Optional, Sequence
@@ -34,7 +34,7 @@ class PlanningManager:
     """
 
     def __init__(self, config: Any, min_altitude_m: float, max_altitude_m: float) -> None:
-        """config: voxnav.PlanningManagerConfig; goals outside of the altitudes (frame W) are refused."""
+        """Starts in Idle. config: voxnav.PlanningManagerConfig; goals outside the altitudes (frame W) are refused."""
         self._config, self._altitudes_m = config, (min_altitude_m, max_altitude_m)
         self._state: State = Idle(Because(Reason.NO_GOAL, "no goal"))
         self._inputs = Inputs()
@@ -42,14 +42,14 @@ class PlanningManager:
         self._num_jobs = 0
         self._status = Status()
 
-    # What is known of vehicle and maps.
+    # Inputs: vehicle and maps.
 
     def set_vehicle(self, stamp_s: float, position_O: Sequence[float], velocity_O: Sequence[float]) -> None:
         vehicle = Vehicle(np.asarray(position_O, dtype=float), np.asarray(velocity_O, dtype=float))
         self._inputs = replace(self._inputs, vehicle=Timed(stamp_s, vehicle))
 
     def set_prediction(self, stamp_s: float, times_s: Sequence[float], positions_O: Array) -> None:
-        """positions_O: (n, 3)."""
+        """Sets the tracker's prediction. positions_O: (n, 3)."""
         self._inputs = replace(self._inputs, prediction=Timed(stamp_s, Prediction(times_s, positions_O)))
 
     def set_control(self, stamp_s: float, is_flying: bool, accepts_goals: bool, is_tracking: bool = False) -> None:
@@ -57,18 +57,18 @@ class PlanningManager:
         self._inputs = replace(self._inputs, control=Timed(stamp_s, control))
 
     def set_limits(self, stamp_s: float, values: Limits) -> None:
-        """values: speed and acceleration, each horizontal, ascending, descending, in pairs."""
+        """Sets the limits of the vehicle: pairs of speed and acceleration, horizontal, ascending, descending."""
         self._inputs = replace(self._inputs, limits=Timed(stamp_s, values))
 
     def set_T_W_O(self, stamp_s: float, T_W_O: Array) -> None:
-        """T_W_O: (4, 4)."""
+        """Sets the map correction. T_W_O: (4, 4)."""
         self._inputs = replace(self._inputs, T_W_O=Timed(stamp_s, T_W_O))
 
     def set_map_stamp(self, stamp_s: float) -> None:
         self._inputs = replace(self._inputs, map_stamp_s=stamp_s)
 
     def set_frames(self, map: str, control: str) -> None:
-        """Frames of the local map and of the odometry; '' where unknown."""
+        """Sets the frames of the local map and of the odometry; '' if unknown."""
         self._inputs = replace(self._inputs, frames=Frames(map or None, control or None))
 
     def set_lost_nodes(self, names: Iterable[str]) -> None:
@@ -77,7 +77,7 @@ class PlanningManager:
     # Commands.
 
     def set_goal(self, goal_W: Sequence[float], heading_rad: Optional[float], now_s: float) -> str:
-        """heading_rad: at the goal, frame W; None: any. Why the goal is refused; '' when it is taken."""
+        """Sets a goal. Returns why it is refused, or ''. heading_rad: heading at the goal, frame W; None: any."""
         position = np.asarray(goal_W, dtype=float)
         if not np.isfinite(position).all() or (heading_rad is not None and not np.isfinite(heading_rad)):
             return "goal is not finite"
@@ -96,14 +96,14 @@ class PlanningManager:
         """Drops the goal and hovers."""
         return self._take(stopping.stop(Because(Reason.STOPPED, sentence), self._facts(now_s)))
 
-    # What has happened.
+    # Events: time has passed, or a job has ended.
 
     def frame_jumped(self, sentence: str, now_s: float) -> List[Action]:
         because = Because(Reason.FRAME_JUMPED, sentence)
         return self._take(stopping.jump_frame(self._state, because, self._facts(now_s)))
 
     def tick(self, now_s: float) -> List[Action]:
-        """Main loop, 20 Hz."""
+        """Runs one step of the main loop; to be called at 20 Hz."""
         has_jumped = self._last_now_s is not None and now_s < self._last_now_s - CLOCK_JUMP_S
         self._last_now_s = now_s
         if has_jumped:
@@ -112,11 +112,11 @@ class PlanningManager:
         return self._take(planning.tick(self._state, self._facts(now_s)))
 
     def check(self, view: Any, now_s: float) -> List[Action]:
-        """Corridor check, 10 Hz. view: voxnav.OccupancyView; None counts as unsafe."""
+        """Checks the corridor; to be called at 10 Hz. view: voxnav.OccupancyView; None counts as unsafe."""
         return self._take(flying.check(self._state, view, self._facts(now_s)))
 
     def is_wanted(self, action: Action) -> bool:
-        """False for a job that no longer matters: it need not be begun."""
+        """Returns False for a job that no longer matters and need not be started."""
         return isinstance(action, Hover) or self._is_current(action.job)
 
     def plan_done(self, job: int, outcome: PlanOutcome, now_s: float) -> List[Action]:
@@ -126,7 +126,7 @@ class PlanningManager:
 
     def generate_done(self, job: int, problem: str, trajectory: Optional[Trajectory], view: Any,
                       now_s: float) -> List[Action]:
-        """problem: '' on success; view: verifies the trajectory itself, None counts as unsafe."""
+        """Takes the generator's answer. problem: '' on success; view: map for verification, None counts as unsafe."""
         return self._take(flying.generate_done(self._state, job, trajectory, problem, view, self._facts(now_s)))
 
     def publish_done(self, job: int, problem: str, now_s: float) -> List[Action]:
@@ -137,7 +137,7 @@ class PlanningManager:
     def hover_done(self, problem: str, now_s: float) -> List[Action]:
         return self._take(stopping.hover_answered(self._state, problem, self._facts(now_s)))
 
-    # What it shows.
+    # Outputs.
 
     @property
     def status(self) -> Status:
@@ -146,7 +146,7 @@ class PlanningManager:
                        goal_W=None if goal is None else goal.position_W)
 
     def remaining_path(self, now_s: float) -> Array:
-        """(k, 3) rest of the flown trajectory, frame O; (0, 3) at rest."""
+        """Returns the (k, 3) rest of the flown trajectory, frame O; (0, 3) at rest."""
         facts = self._facts(now_s)
         flight = facts.flown(stopping.flight_of(self._state))
         if flight is None or self._inputs.vehicle is None:

@@ -14,18 +14,18 @@ from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Id
                                             Publishing, Searching, State)
 from voxnav.planning_manager.stopping import drop_goal, lose, repeat_hover, stop, taken_over, watch
 
-# Moving this far is progress.
+# A move of this length counts as progress.
 PROGRESS_M = 1.0
 
 
 def tick(state: State, facts: Facts) -> Step:
-    """The main loop: the first of its rules that applies decides."""
+    """One step of the main loop. Its rules are tried in order; the first one that applies decides."""
     state = watch(state, facts)
     theirs = taken_over(state, facts)
     if theirs is not None:
         return drop_goal(theirs)
     if not isinstance(state, Moving) and state.hover is not None and facts.inputs.is_on_ground:
-        state = replace(state, hover=None)  # nobody hovers there
+        state = replace(state, hover=None)  # a vehicle on the ground does not hover
     stopping = repeat_hover(state, facts)
     if stopping is not None:
         return stopping
@@ -48,12 +48,12 @@ def tick(state: State, facts: Facts) -> Step:
 
 
 def resume(state: Idle, goal: Goal, facts: Facts) -> Planning:
-    """Nothing is missing any more: a goal that was kept is planned for."""
+    """Resumes the flight to a kept goal once nothing is missing any more."""
     return Planning(Because(Reason.RESUMED, "flight resumes"), goal, facts.now_s, hover=state.hover)
 
 
 def arrival(state: Active, facts: Facts) -> Optional[Step]:
-    """None until the vehicle rests at the goal."""
+    """Ends the flight if the vehicle rests at the goal; None as long as it does not."""
     distance_m = float(np.linalg.norm(facts.vehicle.position_O - facts.goal_O(state.goal)))
     is_rest = facts.vehicle.speed_mps < facts.config.rest_speed_mps and facts.flown(state.flight) is None
     if distance_m > facts.config.goal_tolerance_m or not is_rest:
@@ -73,7 +73,7 @@ def is_stuck(state: Active, facts: Facts) -> bool:
 
 
 def is_plan_due(state: Active, facts: Facts) -> bool:
-    """Nothing is on its way, it is time, and what is flown does not lead to the goal already."""
+    """Returns True if no job is running, it is time, and the flown trajectory does not lead to the goal already."""
     if state.job is not None or facts.now_s < state.plan_from_s:
         return False
     flight = facts.flown(state.flight)
@@ -81,7 +81,7 @@ def is_plan_due(state: Active, facts: Facts) -> bool:
 
 
 def start_plan(state: Active, facts: Facts) -> Step:
-    """Search from where the vehicle rests, or from where it will be once there is a trajectory."""
+    """Starts a search from where the vehicle rests, or from where it will be once there is a trajectory."""
     flight = facts.flown(state.flight)
     start, stamp_s = facts.vehicle.position_O, None
     if flight is not None or facts.vehicle.speed_mps > facts.config.rest_speed_mps:
@@ -97,7 +97,7 @@ def start_plan(state: Active, facts: Facts) -> Step:
 
 
 def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> Step:
-    """What may be flown of a search goes to the generator, if it is worth flying."""
+    """Passes the part of a found path that may be flown to the generator, if it is worth flying."""
     if isinstance(state, Idle) or not isinstance(state.job, Searching) or state.job.job != number:
         return state, ()
     start_stamp_s = state.job.start_stamp_s
@@ -115,7 +115,7 @@ def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> 
 
 
 def is_final(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
-    """Near a goal that cannot be entered there is nothing left to wait for."""
+    """Returns True near a goal that may not be entered: no further plan leads nearer."""
     path = outcome.plan.path
     length_m = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
     is_near = len(path) > 0 and length_m < facts.config.min_progress_m
@@ -123,9 +123,9 @@ def is_final(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
 
 
 def is_worth_flying(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
-    """A new trajectory replaces one that is still good only if it leads clearly nearer to the goal.
+    """Returns True if a path leads clearly nearer to the goal than the flown trajectory, or if that is no longer good.
 
-    This keeps the vehicle from dithering between ways of like length.
+    This keeps the vehicle from alternating between paths of similar length.
     """
     flight = facts.flown(state.flight)
     if flight is None or flight.leads.left_m is None or outcome.is_to_goal:
@@ -135,7 +135,7 @@ def is_worth_flying(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
 
 
 def fail(state: Active, because: Because, facts: Facts) -> Active:
-    """A plan has failed: what is flown goes on, and planning is tried again."""
+    """Handles a failed plan: the present flight continues, and planning is tried again."""
     flight = facts.flown(state.flight)
     from_s = facts.now_s + facts.config.retry_interval_s
     if flight is None:
@@ -144,13 +144,13 @@ def fail(state: Active, because: Because, facts: Facts) -> Active:
 
 
 def at_rest(state: Active, because: Because) -> Planning:
-    """Planning, with nothing that is flown."""
+    """Returns the state Planning without a flight."""
     stopping = None if isinstance(state, Moving) else state.hover
     return Planning(because, state.goal, state.plan_from_s, state.job, None, state.progress, stopping)
 
 
 def moving(state: Active, because: Because, flight: Flight, plan_from_s: float) -> Moving:
-    """Moving along a flight, with no job."""
+    """Returns the state Moving along a flight, without a job."""
     return Moving(because, state.goal, flight, plan_from_s, None, state.progress)
 
 

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Why the planning manager is in its state: an enum to decide by, and a sentence for people."""
+"""Reasons for the state of the planning manager: an enum for decisions, and a sentence for people."""
 
 import enum
 from dataclasses import dataclass
 
 
 class Level(enum.Enum):
-    """How a reason is shown in the diagnostics."""
+    """The level at which a reason is shown in the diagnostics."""
 
     OK = 0
     WARN = 1
 
 
 class Reason(enum.Enum):
-    """Every reason for a state. The value names it in logs; level says how serious it is."""
+    """Every reason for a state. The value is its name in logs; level is its severity."""
 
     NO_GOAL = "no goal"
     NEW_GOAL = "new goal"

@@ -8,9 +8,9 @@ from voxnav._core import PlanOutcome, Trajectory
 from voxnav.array_types import Array
 from voxnav.planning_manager.reasons import Because
 
-# The vehicle is looked for this long before and after the time at which the trajectory has it.
+# The vehicle is searched on the trajectory within this time before and after its scheduled time.
 BEHIND_S, AHEAD_S = 1.5, 0.5
-# Tracking lags: the vehicle comes to rest this much after the trajectory does.
+# Tracking lags behind: the vehicle comes to rest this much after the end of the trajectory.
 SETTLING_S = 0.5
 
 
@@ -18,12 +18,12 @@ SETTLING_S = 0.5
 class Goal:
     position_W: Array
     heading_rad: Optional[float]  # frame W; None: any
-    has_been_free: bool = False  # the vehicle has been free to fly to it; who takes that away takes the vehicle over
+    has_been_free: bool = False  # the vehicle was free to fly to it; when that ends, it was taken over
 
 
 @dataclass(frozen=True)
 class OwnHover:
-    """A hover that voxnav asked for: wanted until the control manager accepts it, then the tracker brakes."""
+    """A hover that voxnav asked for. It is repeated until the control manager accepts it; then the tracker brakes."""
 
     because: Because
     sent_s: float
@@ -36,7 +36,7 @@ class Leads:
 
     radius_m: float  # known free around it
     is_to_goal: bool
-    left_m: Optional[float]  # way from its end to the goal; None: unknown, any plan is better
+    left_m: Optional[float]  # distance from its end to the goal; None: unknown, any plan is better
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +46,15 @@ class Flight:
     trajectory: Trajectory
     begin_s: float
     leads: Leads
-    goal_O: Array  # where the goal was in O when this was planned
-    asked_s: float  # when the tracker was asked; it began no earlier
+    goal_O: Array  # position of the goal in O when this was planned
+    asked_s: float  # time at which the tracker was asked; the flight began no earlier
     is_tracked: bool = False  # the tracker has been seen to fly it
 
     def is_flown(self, now_s: float) -> bool:
         return now_s < self.begin_s + float(self.trajectory.duration_s) + SETTLING_S
 
     def arc_m(self, position_O: Array, now_s: float) -> float:
-        """Arc length at which the vehicle is."""
+        """Returns the arc length at which the vehicle is."""
         t = now_s - self.begin_s
         return float(self.trajectory.project(position_O, t - BEHIND_S, t + AHEAD_S))
 
@@ -79,7 +79,7 @@ class Publishing:
     begin_s: float
     trajectory: Trajectory
     leads: Leads
-    because: Because  # of the state once it is flown
+    because: Because  # reason of the state once the trajectory is flown
     is_shortening: bool
 
 
@@ -88,7 +88,7 @@ Job = Union[Searching, Generating, Publishing]
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """Where the vehicle last got to, and when."""
+    """The position of the last progress, and its time."""
 
     position_O: Array
     since_s: float
@@ -99,7 +99,7 @@ class Idle:
     """Nothing is flown: there is no goal, or something that a flight needs is missing."""
 
     because: Because
-    goal: Optional[Goal] = None  # flown to once nothing is missing any more
+    goal: Optional[Goal] = None  # a kept goal: the flight resumes once nothing is missing any more
     hover: Optional[OwnHover] = None
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the planning manager shows of itself."""
+"""The status of the planning manager, for messages and logs."""
 
 from dataclasses import dataclass
 from typing import Any, Optional
@@ -10,13 +10,13 @@ from voxnav.planning_manager.reasons import Because, Reason
 
 @dataclass
 class Status:
-    """Fields of the message PlannerStatus; also to be read as status["name"]."""
+    """The fields of the message PlannerStatus, which can also be read as status["name"]."""
 
     state: int = 0
     because: Because = Because(Reason.NO_GOAL, "no goal")
     goal_W: Optional[Array] = None
-    is_goal_reached: bool = False  # the last goal
-    plan_status: str = ""  # of the last search
+    is_goal_reached: bool = False  # whether the last goal was reached
+    plan_status: str = ""  # status of the last search
     expansions: int = 0
     plan_s: float = 0.0
     num_plans: int = 0

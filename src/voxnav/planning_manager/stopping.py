@@ -10,11 +10,11 @@ from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import Active, Flight, Goal, Idle, Moving, OwnHover, Planning, Publishing, State
 
 HOVER_RETRY_S = 1.0
-# Diagnostics this much later than a hover show whether the tracker brakes.
+# Diagnostics that are this much newer than the answer to a hover show whether the tracker brakes.
 HOVER_SHOWS_S = 0.5
-# The tracker has stopped after this time, however fast it flew.
+# Within this time the tracker has stopped from any speed.
 HOVER_LASTS_S = 10.0
-# The tracker may end a trajectory this much before its last point.
+# The tracker may report the end of a trajectory this much before its last point.
 TRACKER_STEP_S = 0.3
 
 
@@ -27,24 +27,24 @@ def flight_of(state: State) -> Optional[Flight]:
 
 
 def is_in_motion(state: State) -> bool:
-    """A trajectory is flown, or may have been accepted by now."""
+    """Returns True if a trajectory is flown, or may have been accepted by now."""
     return not isinstance(state, Idle) and (state.flight is not None or isinstance(state.job, Publishing))
 
 
 def brake(state: Active, because: Because, facts: Facts) -> Step:
-    """Stop now, and plan anew from there."""
+    """Stops now, and plans again from where the vehicle comes to rest."""
     stopping = OwnHover(because, facts.now_s)
     braking = Planning(because, state.goal, facts.now_s, progress=state.progress, hover=stopping)
     return braking, (Hover(because),)
 
 
 def accept_goal(state: State, goal: Goal, facts: Facts) -> Step:
-    """A new goal replaces the old one; what is flown goes on until there is a way to the new one."""
+    """Replaces the goal; the present flight continues until there is a path to the new goal."""
     because = Because(Reason.NEW_GOAL, "new goal")
     flight = flight_of(state)
     if flight is not None:
         flight = replace(flight, leads=replace(flight.leads, is_to_goal=False, left_m=None))
-    # A trajectory that is on its way to the tracker will be flown, whatever the goal.
+    # A trajectory that is on its way to the tracker will be flown, although it leads to the old goal.
     job = None if isinstance(state, Idle) or not isinstance(state.job, Publishing) else state.job
     if job is not None:
         job = replace(job, leads=replace(job.leads, is_to_goal=False, left_m=None))
@@ -52,12 +52,12 @@ def accept_goal(state: State, goal: Goal, facts: Facts) -> Step:
 
 
 def stop(because: Because, facts: Facts) -> Step:
-    """Drop the goal and hover: somebody wants it, or the goal cannot be reached."""
+    """Drops the goal and hovers, because it was commanded or the goal cannot be reached."""
     return Idle(because, None, OwnHover(because, facts.now_s)), (Hover(because),)
 
 
 def jump_frame(state: State, because: Because, facts: Facts) -> Step:
-    """The odometry frame has jumped: nothing that was planned holds."""
+    """Handles a jump of the odometry frame: all plans and trajectories are invalid."""
     if isinstance(state, Idle):
         return state, ()
     later_s = facts.now_s + facts.config.retry_interval_s
@@ -68,10 +68,10 @@ def jump_frame(state: State, because: Because, facts: Facts) -> Step:
 
 
 def lose(state: State, missing: Because, facts: Facts) -> Step:
-    """Something that a flight needs is missing: hover, keep the goal, and wait."""
+    """Hovers, keeps the goal and waits, because something that a flight needs is missing."""
     stopping = own_hover(state)
     if missing.reason is Reason.TRACKER_REFUSES and stopping is not None:
-        return state, ()  # it brakes because voxnav asked it to; that has its reason already
+        return state, ()  # the tracker brakes because voxnav asked for a hover, whose reason stands already
     if is_in_motion(state):
         return Idle(missing.with_prefix("hover: "), state.goal, OwnHover(missing, facts.now_s)), (Hover(missing),)
     if state.goal is None:
@@ -81,7 +81,7 @@ def lose(state: State, missing: Because, facts: Facts) -> Step:
 
 
 def jump_clock(state: State, facts: Facts) -> Step:
-    """The clock has jumped back: no time that was noted means anything any more."""
+    """Handles a clock that jumped back: all recorded times are meaningless."""
     stopping = own_hover(state)
     if stopping is not None and not isinstance(state, Moving):
         accepted_s = None if stopping.accepted_s is None else facts.now_s
@@ -90,7 +90,7 @@ def jump_clock(state: State, facts: Facts) -> Step:
 
 
 def watch(state: State, facts: Facts) -> State:
-    """Notes what the control manager shows: free for the goal, own hover over, trajectory followed."""
+    """Records what the control manager reports: free to fly to the goal, own hover over, trajectory followed."""
     timed = facts.control
     if timed is None:
         return state
@@ -109,7 +109,7 @@ def watch(state: State, facts: Facts) -> State:
 
 
 def taken_over(state: State, facts: Facts) -> Optional[str]:
-    """What somebody else made of the vehicle while it flew for voxnav; None as long as it is voxnav's.
+    """Tells how somebody else took the vehicle over while it flew for voxnav; None while voxnav has it.
 
     The control manager takes the callbacks away during any hover; those of voxnav's own come back a little later.
     """
@@ -129,12 +129,12 @@ def taken_over(state: State, facts: Facts) -> Optional[str]:
 
 
 def drop_goal(what: str) -> Step:
-    """Somebody else has the vehicle and keeps it: no hover, and no flight until there is a new goal."""
+    """Drops the goal without a hover, because somebody else has the vehicle; voxnav waits for a new goal."""
     return Idle(Because(Reason.TAKEN_OVER, "goal dropped: " + what)), ()
 
 
 def repeat_hover(state: State, facts: Facts) -> Optional[Step]:
-    """A hover that is not accepted yet is asked for again; nothing else is done meanwhile. None when there is none."""
+    """Asks again for a hover that is not accepted yet; nothing else is done meanwhile. None if there is none."""
     stopping = own_hover(state)
     if stopping is None or stopping.accepted_s is not None or isinstance(state, Moving):
         return None
