@@ -113,7 +113,7 @@ void LidarConfig::body_fields(V& v) {
   using voxnav::base::any;
   using voxnav::base::in;
   v("mount_position_m", &C::mount_position_m, in(-5, 5), "m", "position of the sensor on the body (fcu)");
-  v("mount_rpy_rad", &C::mount_rpy_rad, in(-3.1416, 3.1416), "rad", "its roll, pitch and yaw on the body");
+  v("mount_rpy_rad", &C::mount_rpy_rad, in(-3.1416, 3.1416), "rad", "roll, pitch and yaw of the sensor on the body");
   v("body_capsules_m", &C::body_capsules_m, any(), "m",
     "parts of the UAV in the body frame, seven numbers each: both ends of the axis and the radius");
   v("body_reflectance", &C::body_reflectance, in(0, 1), "", "share of the light that the UAV's own parts return");

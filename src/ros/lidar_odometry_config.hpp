@@ -22,9 +22,9 @@ struct LidarOdometryNodeConfig {
     v("odometry_frame", &C::odometry_frame, base::any(), "", "frame O of the poses");
     v("body_frame", &C::body_frame, base::any(), "", "frame B; sensors are mounted on it by tf");
     v("publish_tf", &C::publish_tf, base::any(), "",
-      "publish odometry_frame as a child of body_frame, as MRS trees hang");
+      "publish odometry_frame as a child of body_frame, the direction of MRS tf trees");
     v("imu_wait_s", &C::imu_wait_s, base::in(0.0, 1.0), "s",
-      "a cloud waits at most so long for IMU samples up to the end of its sweep");
+      "longest time that a cloud waits for IMU samples up to the end of its sweep");
     v("imu_timeout_s", &C::imu_timeout_s, base::in(0.02, 10.0), "s", "an IMU silent for longer is not waited for");
   }
 };

@@ -32,13 +32,15 @@ struct LocalMapperConfig {
     v("body_frame", &C::body_frame, any(), "", "frame B of the UAV");
     v("pose_source", &C::pose_source, voxnav::base::one_of<MapperPoses>(), "",
       "tf: poses of the sensor by tf; odometry: of the body from ~odometry_in, by tf only where the sensor sits on it");
-    v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s", "a scan waits so long for its pose, then it is dropped");
+    v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s",
+      "time that a scan waits for its pose before it is dropped");
     v("snapshot_period_s", &C::snapshot_period_s, in(0.0, 1000.0), "s",
-      "whole map on ~map_out; 0 = only at first: who missed a change asks ~get_map_in");
-    v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s", "cloud of occupied voxels on ~occupied_out");
+      "period of whole maps on ~map_out; 0 = only the first one: a reader that missed a change calls ~get_map_in");
+    v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s",
+      "period of the cloud of occupied voxels on ~occupied_out");
     v("octomap_period_s", &C::octomap_period_s, in(0.05, 1000.0), "s",
-      "OctoMap on ~octomap_out, while someone listens");
-    v("is_octomap_binary", &C::is_octomap_binary, any(), "", "occupied and free only, instead of probabilities");
+      "period of OctoMaps on ~octomap_out, sent while somebody subscribes");
+    v("is_octomap_binary", &C::is_octomap_binary, any(), "", "OctoMaps tell occupied and free only, not probabilities");
   }
 };
 

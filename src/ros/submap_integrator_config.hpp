@@ -43,7 +43,8 @@ struct SubmapIntegratorConfig {
     v("map_frame", &C::map_frame, base::any(), "", "frame W, until the optimiser names it");
     v("odometry_frame", &C::odometry_frame, base::any(), "", "frame O, until a handover names it");
     v("filling", &C::filling, base::one_of<SubmapFilling>(), "", "what submaps are made of");
-    v("safety_distance_m", &C::safety_distance_m, base::in(0.0, 10.0), "m", "nearer to a surface is an obstacle");
+    v("safety_distance_m", &C::safety_distance_m, base::in(0.0, 10.0), "m",
+      "voxels nearer to a surface than this are obstacles");
     v("snapshot_period_s", &C::snapshot_period_s, base::in(1.0, 3600.0), "s",
       "obstacles are published as a whole this often (wall time)");
     v("max_queue", &C::max_queue, base::in(2, 1000), "",

@@ -40,9 +40,9 @@ struct BodyMaskConfig {
   static void fields(V&& v) {
     using C = BodyMaskConfig;
     v("max_reach_m", &C::max_reach_m, base::in(0.05, 10), "m", "no part of the UAV is farther from the sensor");
-    v("margin_m", &C::margin_m, base::in(0, 1), "m", "masked beyond the farthest return of a direction");
-    v("least_share", &C::least_share, base::in(0.1, 1), "", "of the clouds that must show a part there");
-    v("num_clouds", &C::num_clouds, base::in(1, 1000), "", "clouds looked at after learning was asked for");
+    v("margin_m", &C::margin_m, base::in(0, 1), "m", "distance masked beyond the farthest return of a direction");
+    v("least_share", &C::least_share, base::in(0.1, 1), "", "share of the clouds that must show a part in a direction");
+    v("num_clouds", &C::num_clouds, base::in(1, 1000), "", "clouds from which the mask is learned");
   }
 };
 

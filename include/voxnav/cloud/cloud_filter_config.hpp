@@ -51,9 +51,9 @@ struct CloudFilterConfig {
     v("cycle_decimation", &C::cycle_decimation, base::any(), "",
       "start one row, column or point later with each scan, so that every beam is used in turn");
     v("remove_outliers", &C::remove_outliers, base::any(), "",
-      "organised clouds: drop returns without a neighbour at a like distance (rain, dust)");
+      "organised clouds: drop returns without a neighbour at a similar range (rain, dust)");
     v("outlier_min_neighbours", &C::outlier_min_neighbours, base::in(1, 14), "",
-      "of the 14 nearest pixels (3 rows, 5 columns)");
+      "neighbours that a return needs among the 14 nearest pixels (3 rows, 5 columns)");
     v("outlier_distance_m", &C::outlier_distance_m, base::in(0, 10), "m", "distance to a neighbour, constant part");
     v("outlier_range_ratio", &C::outlier_range_ratio, base::in(0, 1), "",
       "distance to a neighbour, part per metre of range");

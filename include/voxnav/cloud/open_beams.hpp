@@ -23,11 +23,11 @@ struct OpenBeamsConfig {
   static void fields(V&& v) {
     using C = OpenBeamsConfig;
     v("is_enabled", &C::is_enabled, base::any(), "",
-      "look for them; they travel with the points, and let the local map clear no_return_range_m");
+      "find open beams; they are sent with the points, and let the local map clear no_return_range_m");
     v("margin_rows", &C::margin_rows, base::in(0, 32), "", "a beam is open if no beam this near returned anything");
-    v("margin_columns", &C::margin_columns, base::in(0, 64), "", "the same, along a row");
-    v("row_step", &C::row_step, base::in(1, 64), "", "every n-th row is looked at");
-    v("column_step", &C::column_step, base::in(1, 64), "", "and of it every n-th beam");
+    v("margin_columns", &C::margin_columns, base::in(0, 64), "", "as margin_rows, for columns along a row");
+    v("row_step", &C::row_step, base::in(1, 64), "", "only every n-th row is tested");
+    v("column_step", &C::column_step, base::in(1, 64), "", "only every n-th beam of such a row is tested");
   }
 };
 

@@ -66,20 +66,22 @@ void SubmapGraphConfig::fields(V&& v) {
   v("coarse_points", &C::coarse_points, in(20, 5000), "", "points per direction while a pair is still metres off");
   v("min_points_per_pair", &C::min_points_per_pair, in(5, 5000), "", "pairs with fewer points are not registered");
   v("min_overlap_ratio", &C::min_overlap_ratio, in(0.01, 1), "", "share of a submap's points inside the other");
-  v("overlap_refresh_m", &C::overlap_refresh_m, in(0.1, 10), "m", "a pair's points are chosen anew after this move");
+  v("overlap_refresh_m", &C::overlap_refresh_m, in(0.1, 10), "m",
+    "the points of a pair are chosen again after a move of this length");
   v("registration_sigma_m", &C::registration_sigma_m, in(0.001, 10), "m", "standard deviation of one surface distance");
   v("registration_effective_points", &C::registration_effective_points, in(1, 1e5), "",
     "independent distances a full pair is worth; its points are correlated");
   v("noise_floor", &C::noise_floor, in(0, 0.5), "", "mean squared slope below which a direction is left free");
   v("coarse_kernel_voxels", &C::coarse_kernel_voxels, in(0.5, 50), "voxels", "robust kernel where descent starts");
-  v("fine_kernel_voxels", &C::fine_kernel_voxels, in(0.25, 50), "voxels", "robust kernel where it ends");
-  v("search_range_m", &C::search_range_m, in(0, 20), "m", "half width of the search window in x and y; 0 switches off");
+  v("fine_kernel_voxels", &C::fine_kernel_voxels, in(0.25, 50), "voxels", "robust kernel where descent ends");
+  v("search_range_m", &C::search_range_m, in(0, 20), "m",
+    "half width of the search window in x and y; 0 switches the search off");
   v("search_range_rad", &C::search_range_rad, in(0, 3.2), "rad", "half width of the search window in yaw");
   v("search_points", &C::search_points, in(20, 2000), "", "points per direction used by the search");
   v("search_outlier_ratio", &C::search_outlier_ratio, in(0, 1), "",
     "search when descent leaves a larger share of outliers");
   v("search_min_advantage", &C::search_min_advantage, in(0, 1), "",
-    "the best cost must be below this share of others'");
+    "the best cost must be below this share of the cost of every other alignment");
   v("max_searches", &C::max_searches, in(0, 1000), "", "searches per solve");
   v("is_place_recognition_enabled", &C::is_place_recognition_enabled, base::any(), "",
     "look for places seen before, however far the estimate has drifted");
@@ -97,7 +99,7 @@ void SubmapGraphConfig::fields(V&& v) {
   v("max_iterations", &C::max_iterations, in(1, 1000), "", "linearisations of the registered pairs per solve");
   v("max_solver_iterations", &C::max_solver_iterations, in(1, 10000), "", "steps of the pose graph solver");
   v("max_pair_evaluations", &C::max_pair_evaluations, in(10, 10000000), "",
-    "no trial begins after as many evaluations of pairs");
+    "evaluations of pairs per solve after which no further trial step begins");
   v("convergence_m", &C::convergence_m, in(1e-6, 1), "m", "stop when no submap moves farther (yaw: at 20 m)");
 }
 

@@ -43,8 +43,8 @@ struct LocalMapConfig {
     v("min_range_m", &C::min_range_m, in(0.0, 100.0), "m", "nearer points are dropped and counted");
     v("prob_hit", &C::prob_hit, in(0.51, 0.99), "", "probability of occupied after one hit on an unknown voxel");
     v("prob_miss", &C::prob_miss, in(0.01, 0.49), "", "probability of occupied after one miss on an unknown voxel");
-    v("prob_clamp_min", &C::prob_clamp_min, in(0.001, 0.49), "", "a voxel never gets freer than this");
-    v("prob_clamp_max", &C::prob_clamp_max, in(0.51, 0.999), "", "a voxel never gets more occupied than this");
+    v("prob_clamp_min", &C::prob_clamp_min, in(0.001, 0.49), "", "lowest probability of a voxel");
+    v("prob_clamp_max", &C::prob_clamp_max, in(0.51, 0.999), "", "highest probability of a voxel");
     v("occupied_threshold", &C::occupied_threshold, in(0.5, 0.99), "", "occupied above, not at, this probability");
     v("free_threshold", &C::free_threshold, in(0.01, 0.5), "", "free below, not at, this probability");
     v("clear_beyond_range", &C::clear_beyond_range, base::any(), "",
@@ -52,14 +52,15 @@ struct LocalMapConfig {
     v("no_return_range_m", &C::no_return_range_m, in(0.0, 1000.0), "m",
       "beams without return clear this far (they may be dark, not empty), never an occupied voxel");
     v("guard_sigmas", &C::guard_sigmas, in(0.0, 10.0), "",
-      "a ray counts against a voxel that holds hits only if it passes within so many deviations of them");
-    v("guard_spread_voxels", &C::guard_spread_voxels, in(0.01, 1.0), "voxel", "least deviation of hits, for noise");
+      "a beam counts against a voxel that holds hits only if it passes within this many standard deviations of them");
+    v("guard_spread_voxels", &C::guard_spread_voxels, in(0.01, 1.0), "voxel",
+      "noise added to the standard deviation of the hits");
     v("guard_end_voxels", &C::guard_end_voxels, in(0.0, 10.0), "voxel",
-      "and only if it goes on at least this far behind that mean");
+      "a beam counts only if it ends at least this far behind the hits");
     v("guard_octants", &C::guard_octants, in(1, 8), "",
-      "rays that pass farther off count once they went through this many octants of the voxel without a hit");
+      "beams that pass farther off count once they together went through this many octants of the voxel without a hit");
     v("guard_patience", &C::guard_patience, in(0, 100), "",
-      "at most so many scans that saw through a voxel are forgiven because hits followed as many before (leaves)");
+      "at most this many scans that saw through a voxel are forgiven because hits followed as many before (leaves)");
     v("num_threads", &C::num_threads, in(1, 64), "", "threads of one insertion; the result does not depend on it");
     v("max_memory_mb", &C::max_memory_mb, in(1.0, 1.0e6), "MB", "a window that could need more is refused");
     v("max_evicted_blocks", &C::max_evicted_blocks, in(0, 1.0e6), "",

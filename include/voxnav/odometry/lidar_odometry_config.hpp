@@ -54,9 +54,10 @@ struct LidarOdometryConfig {
     v("min_matched_points", &C::min_matched_points, base::in(10, 5000), "", "fewer matches than this: coast");
     v("weak_translation", &C::weak_translation, base::in(0, 0.3), "",
       "share of the information below which a direction is not observed");
-    v("weak_rotation", &C::weak_rotation, base::in(0, 0.3), "", "the same for rotation");
+    v("weak_rotation", &C::weak_rotation, base::in(0, 0.3), "",
+      "share of the information below which a rotation is not observed");
     v("measurement_noise_m", &C::measurement_noise_m, base::in(0.001, 2), "m",
-      "of one match, correlation between matches included");
+      "standard deviation of one match, correlation between matches included");
     v("acceleration_noise_mps2", &C::acceleration_noise_mps2, base::in(0.01, 50), "m/s^2",
       "deviation from constant velocity");
     v("velocity_noise_mps", &C::velocity_noise_mps, base::in(0.001, 20), "m/s", "error of the velocity that predicts");

@@ -20,7 +20,7 @@ struct LoadControlConfig {
       "work per scan over the time between scans beyond which scans are thinned out");
     v("max_decimation", &C::max_decimation, base::in(1, 64), "", "thinnest: every n-th point; 1 = never thin out");
     v("calm_scans", &C::calm_scans, base::in(1, 1000), "",
-      "so many scans with time to spare before it gets finer again");
+      "scans with time to spare after which fewer points are left out");
   }
 };
 

@@ -34,7 +34,7 @@ struct MapperConfig {
     v("max_jump_m", &C::max_jump_m, base::in(0.1, 10000.0), "m",
       "a pose that jumps farther between scans clears the map");
     v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0.0, 10.0), "m",
-      "around the body voxels are free unless occupied; 0 = off");
+      "voxels this near to the body are marked as free unless they are occupied; 0 = off");
   }
 };
 

@@ -33,7 +33,7 @@ struct NavigationMapConfig {
       "unknown voxels this near to the vehicle count as free, horizontally: it is there, and its LiDAR cannot see "
       "them");
     v("footprint_half_height_m", &NavigationMapConfig::footprint_half_height_m, base::in(0.0, 10.0), "m",
-      "the same, up and down");
+      "as footprint_radius_m, up and down");
     v("local_knows_better", &NavigationMapConfig::local_knows_better, base::any(), "",
       "obstacles of the global map give way where the local map knows everything within the safety distance");
   }

@@ -35,7 +35,7 @@ struct OfflineConfig {
       "position of the LiDAR on the body; all zero = as /tf_static of a bag has it");
     v("mount_rpy_rad", &C::mount_rpy_rad, base::in(-6.3, 6.3), "rad", "roll, pitch and yaw of the LiDAR on the body");
     v("safety_distance_m", &C::safety_distance_m, base::in(0.1, 10), "m",
-      "obstacles.ply: nearer to a surface than this");
+      "voxels nearer to a surface than this are obstacles in obstacles.ply");
     v("write_mesh", &C::write_mesh, base::any(), "", "write mesh.ply, which takes most of the closing time");
   }
 };

@@ -30,12 +30,13 @@ struct PlanningNodeConfig {
       "false: there is no optimiser, W is the odometry frame");
     v("required_nodes", &C::required_nodes, base::any(), "",
       "nodes whose diagnostics must be heard; the vehicle hovers without them");
-    v("heartbeat_timeout_s", &C::heartbeat_timeout_s, in(1.5, 60), "s", "without diagnostics of a node");
-    v("main_rate_hz", &C::main_rate_hz, in(1, 200), "Hz", "state machine");
-    v("check_rate_hz", &C::check_rate_hz, in(1, 100), "Hz", "corridor check");
-    v("status_rate_hz", &C::status_rate_hz, in(0.1, 50), "Hz", "status and markers");
-    v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "for an answer of any service");
-    v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time asked of the trajectory generator");
+    v("heartbeat_timeout_s", &C::heartbeat_timeout_s, in(1.5, 60), "s",
+      "time without diagnostics after which a node counts as lost");
+    v("main_rate_hz", &C::main_rate_hz, in(1, 200), "Hz", "rate of the main loop");
+    v("check_rate_hz", &C::check_rate_hz, in(1, 100), "Hz", "rate of the corridor check");
+    v("status_rate_hz", &C::status_rate_hz, in(0.1, 50), "Hz", "rate of status and markers");
+    v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "time within which a service must answer");
+    v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time requested of the trajectory generator");
     v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
       "a restarted node takes up the goal that it was flying to");
   }

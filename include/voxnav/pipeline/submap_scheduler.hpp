@@ -24,9 +24,9 @@ struct SubmapSchedulerConfig {
     using C = SubmapSchedulerConfig;
     using base::in;
     v("period_s", &C::period_s, in(0.1, 3600.0), "s", "a submap closes after this time");
-    v("max_distance_m", &C::max_distance_m, in(0.1, 10000.0), "m", "or after this way travelled");
+    v("max_distance_m", &C::max_distance_m, in(0.1, 10000.0), "m", "a submap closes after this distance travelled");
     v("min_period_s", &C::min_period_s, in(0.0, 3600.0), "s",
-      "trouble closes a submap only if it is at least this old");
+      "trouble with the poses closes a submap only if it is at least this old");
     v("max_poses", &C::max_poses, in(4, 1.0e6), "", "poses kept per submap; when full every other one is dropped");
     v("max_early_blocks", &C::max_early_blocks, in(1, 1.0e6), "",
       "blocks that left the window are handed over early once there are more of them");

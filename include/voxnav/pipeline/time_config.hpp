@@ -20,7 +20,7 @@ struct TimeConfig {
       "a simulation lets no time pass while this node works, so that results do not depend on the machine; "
       "false: time runs by itself");
     v("consumers", &C::consumers, base::any(), "",
-      "nodes that take what this node makes; such a simulation waits for them too");
+      "nodes that receive the output of this node; such a simulation waits for them too");
   }
 };
 

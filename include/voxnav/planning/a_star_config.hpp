@@ -49,13 +49,15 @@ struct AStarConfig {
       "unknown cells: never; at unknown_cost; at unknown_cost beyond optimistic_range_m of the start only");
     v("unknown_cost", &AStarConfig::unknown_cost, base::in(1.0, 100.0), "", "cost per metre in unknown cells");
     v("optimistic_range_m", &AStarConfig::optimistic_range_m, base::in(0.0, 1000.0), "m",
-      "see unknown_policy optimistic_far");
+      "range around the start in which the policy optimistic_far forbids unknown cells");
     v("known_distance_m", &AStarConfig::known_distance_m, base::in(0.0, 10.0), "m",
       "within optimistic_range_m of the start, cells nearer than this to unknown ones cost more: what is to be flown "
       "next needs known space around it; 0 = no effect");
-    v("near_unknown_weight", &AStarConfig::near_unknown_weight, base::in(0.0, 100.0), "", "extra cost per metre there");
+    v("near_unknown_weight", &AStarConfig::near_unknown_weight, base::in(0.0, 100.0), "",
+      "extra cost per metre of cells nearer to unknown ones than known_distance_m");
     v("heuristic_weight", &AStarConfig::heuristic_weight, base::in(1.0, 5.0), "",
-      "1 gives the cheapest path; more is faster and at most this factor dearer");
+      "1 gives the cheapest path; with a higher weight the search is faster, and the path costs at most this factor "
+      "more");
     v("goal_search_radius_m", &AStarConfig::goal_search_radius_m, base::in(0.0, 20.0), "m",
       "a goal that cannot be entered is replaced by the nearest enterable cell within this radius");
     v("escape_distance_m", &AStarConfig::escape_distance_m, base::in(0.0, 20.0), "m",

@@ -49,12 +49,12 @@ struct ProjectiveConfig {
     v("weighting", &C::weighting, base::one_of<RangeWeighting>(), "", "weight of a point by its range");
     v("use_drop_off", &C::use_drop_off, base::any(), "", "weights fall linearly to zero behind the surface");
     v("use_anti_grazing", &C::use_anti_grazing, base::any(), "",
-      "rays leave voxels alone in which other points of the scan end");
+      "rays do not change voxels in which other points of the scan end");
     v("use_carving", &C::use_carving, base::any(), "",
       "rays start at the sensor; else only the truncation band is updated");
     v("max_weight", &C::max_weight, base::in(1.0, 1e9), "", "weights saturate here");
     v("min_weight", &C::min_weight, base::in(1e-6, 1e6), "", "a voxel is observed from this weight on");
-    v("max_blocks", &C::max_blocks, base::in(1, 1000000), "", "space beyond is not opened");
+    v("max_blocks", &C::max_blocks, base::in(1, 1000000), "", "blocks of one submap; space beyond them is not filled");
   }
   std::vector<std::string> problems() const;
 };

@@ -30,17 +30,17 @@ struct SubmapCollectionConfig {
     v("clearing_distance_m", &SubmapCollectionConfig::clearing_distance_m, base::in(0.0, 5.0), "m",
       "newer free space removes an older surface unless the newer submap has one of its own nearer than this");
     v("thin_range_m", &SubmapCollectionConfig::thin_range_m, base::in(0.0, 100.0), "m",
-      "wires and poles are removed only by free space seen from this near, or from as near as they were");
+      "wires and poles are removed only by free space seen from this near, or from as near as they were seen");
     v("pose_tolerance_m", &SubmapCollectionConfig::pose_tolerance_m, base::in(0.0, 1.0), "m",
-      "a submap is merged anew when a corner of its box moved farther than this");
+      "a submap is merged again if a corner of its box moved farther than this");
     v("max_submaps", &SubmapCollectionConfig::max_submaps, base::in(1, 1000000), "",
-      "the oldest submap is dropped beyond");
+      "submaps beyond which the oldest one is dropped");
     v("max_memory_mb", &SubmapCollectionConfig::max_memory_mb, base::in(1.0, 1e6), "MB",
-      "the oldest submap is dropped while submaps take more");
+      "memory of all submaps beyond which the oldest one is dropped");
     v("max_resident_mb", &SubmapCollectionConfig::max_resident_mb, base::in(1.0, 1e6), "MB",
-      "submaps beyond rest in page_dir, those not used for longest first");
+      "memory beyond which the least recently used submaps are moved to page_dir");
     v("page_dir", &SubmapCollectionConfig::page_dir, base::any(), "",
-      "where submaps rest that are not in memory; empty = all stay in memory");
+      "folder of the submaps that are not in memory; empty = all stay in memory");
   }
 };
 

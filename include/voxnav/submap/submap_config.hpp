@@ -15,9 +15,9 @@ struct SubmapConfig {
   template <class V>
   static void fields(V&& v) {
     v("band_voxels", &SubmapConfig::band_voxels, base::in(2.6, 6.0), "voxels",
-      "distances up to here are stored per voxel and interpolated; farther ones are searched exactly on demand");
+      "distances up to here are computed for each voxel and interpolated; farther ones are searched exactly");
     v("max_distance_m", &SubmapConfig::max_distance_m, base::in(1.0, 50.0), "m",
-      "distances saturate here, gradient zero beyond");
+      "distances saturate here, and the gradient is zero beyond");
     v("max_surface_points", &SubmapConfig::max_surface_points, base::in(10, 100000), "",
       "surface points kept for registration, spread evenly over the surface");
     v("certified", &SubmapConfig::certified, base::any(), "",

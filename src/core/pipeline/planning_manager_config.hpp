@@ -45,8 +45,9 @@ struct PlanningManagerConfig {
       "radius for leaving a place where the full one does not fit: the vehicle's own");
     v("trajectory_deviation_m", &C::trajectory_deviation_m, base::in(0.02, 2.0), "m",
       "how far the generator may leave the waypoints; plans keep this much more room");
-    v("stop_margin_m", &C::stop_margin_m, base::in(0.0, 5.0), "m", "rest this far before unsafe space");
-    v("reaction_time_s", &C::reaction_time_s, base::in(0.0, 5.0), "s", "until braking takes effect");
+    v("stop_margin_m", &C::stop_margin_m, base::in(0.0, 5.0), "m",
+      "distance before unsafe space at which the vehicle comes to rest");
+    v("reaction_time_s", &C::reaction_time_s, base::in(0.0, 5.0), "s", "time until braking takes effect");
     v("deceleration_ratio", &C::deceleration_ratio, base::in(0.1, 1.0), "",
       "share of the allowed acceleration for braking");
     v("goal_tolerance_m", &C::goal_tolerance_m, base::in(0.1, 10.0), "m",
