@@ -12,7 +12,7 @@ namespace {
 
 namespace odometry = voxnav::odometry;
 constexpr double kLogPeriod_s = 5.0;
-/// IMU samples from before the mounting of the LiDAR is known: enough to find out where up is.
+/// IMU samples from before the mounting of the IMU or of the LiDAR is known: enough to find out where up is.
 constexpr std::size_t kMaxEarlySamples = 1000;
 constexpr double kWaitCheck_s = 0.005;
 
@@ -61,14 +61,23 @@ std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::
 
 void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
   clock().reach(msg->header.stamp);
+  unmounted_imu_.push_back(msg);
   if (!R_B_I_) {
-    const auto T_B_I = mounting(msg->header.frame_id);
-    if (!T_B_I) return;
-    R_B_I_ = T_B_I->linear();
+    if (const auto T_B_I = mounting(msg->header.frame_id)) R_B_I_ = T_B_I->linear();
   }
-  const auto& w = msg->angular_velocity;
-  const auto& a = msg->linear_acceleration;
-  const odometry::ImuSample sample{to_ns(msg->header.stamp), *R_B_I_ * voxnav::geometry::Vec3(w.x, w.y, w.z),
+  if (!R_B_I_) {
+    if (unmounted_imu_.size() > kMaxEarlySamples) unmounted_imu_.pop_front();
+    return;
+  }
+  for (const sensor_msgs::ImuConstPtr& sample : unmounted_imu_) add_imu(*sample);
+  unmounted_imu_.clear();
+  process_ready();
+}
+
+void LidarOdometryNodelet::add_imu(const sensor_msgs::Imu& msg) {
+  const auto& w = msg.angular_velocity;
+  const auto& a = msg.linear_acceleration;
+  const odometry::ImuSample sample{to_ns(msg.header.stamp), *R_B_I_ * voxnav::geometry::Vec3(w.x, w.y, w.z),
                                    *R_B_I_ * voxnav::geometry::Vec3(a.x, a.y, a.z)};
   gate_->note_imu(sample.stamp_ns);
   if (estimator_) {
@@ -77,7 +86,6 @@ void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
     early_imu_.push_back(sample);
     if (early_imu_.size() > kMaxEarlySamples) early_imu_.pop_front();
   }
-  process_ready();
 }
 
 void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
@@ -89,7 +97,11 @@ void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg
       return drop(msg->header.stamp, "cloud on " + points_topic_ + " is in frame '" + msg->header.frame_id +
                                          "', the ones before were in '" + lidar_frame_ + "'");
     }
-    gate_->add(sweep_of(*msg), clock().now_s());
+    voxnav::cloud::Sweep sweep = sweep_of(*msg);
+    // A sweep is waited for from its end, which has passed when its cloud is here: counted from its stamp, the samples
+    // of its second half would come too late in a simulation whose time is that of its messages.
+    clock().reach(to_ros(sweep.start_ns + voxnav::base::StampNs{sweep.duration_ns}));
+    gate_->add(std::move(sweep), clock().now_s());
   } catch (const std::exception& error) {
     return drop(msg->header.stamp, "cloud on " + points_topic_ + " refused: " + error.what());
   }

@@ -38,6 +38,7 @@ class LidarOdometryNodelet : public NodeletBase {
   /// Pose of a sensor in the body, or nothing (said in the diagnostics) while tf does not know it.
   std::optional<voxnav::geometry::Pose> mounting(const std::string& frame);
   bool make_estimator(const std::string& lidar_frame);
+  void add_imu(const sensor_msgs::Imu& msg);
   void process_ready();
   void process(const voxnav::cloud::Sweep& sweep);
   void publish(const voxnav::odometry::OdometryResult& result);
@@ -50,7 +51,8 @@ class LidarOdometryNodelet : public NodeletBase {
   std::unique_ptr<voxnav::odometry::LidarOdometry> estimator_;  // once the LiDAR's mounting is known
   std::string lidar_frame_;
   std::optional<Eigen::Matrix3d> R_B_I_;
-  std::deque<voxnav::odometry::ImuSample> early_imu_;
+  std::deque<sensor_msgs::ImuConstPtr> unmounted_imu_;  // came before the mounting of the IMU was known
+  std::deque<voxnav::odometry::ImuSample> early_imu_;   // came before that of the LiDAR
   std::unique_ptr<voxnav::odometry::ImuGate> gate_;
   std::string points_topic_, imu_topic_;
 
