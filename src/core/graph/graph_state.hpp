@@ -30,7 +30,7 @@ struct RelativeConstraint {
   ConstraintKind kind;
   LoopState state = LoopState::kUntested;
   std::string reason;
-  bool is_recognised = false;  ///< place recognition found it and a second such loop confirmed it; nobody gave it
+  bool is_recognised = false;  ///< a recognised loop: place recognition found it, and a second one confirmed it
 };
 
 /// A loop closure that place recognition proposes: two submaps look like the same place, and their surfaces fit there.

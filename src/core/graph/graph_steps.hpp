@@ -45,14 +45,16 @@ void set_model(const GraphState& state, const PairModel& model, RegistrationPair
 void register_pair(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair, OptimizeReport* report);
 /// Registers a pair by descent from T_A_B alone. The pair is inactive when the two share too little there.
 RegistrationPair register_at(const GraphState& state, int a, int b, const Pose4& T_A_B);
-/// How much of a submap the pair explains, 0 to 1: the share that overlaps, less the part of it that does not fit.
+/// Returns the support of a pair, 0 to 1: the share of the submaps that overlaps, less the part of it that does not
+/// fit.
 double support_of(const GraphState& state, const RegistrationPair& pair);
 
 /// Looks for the places of new submaps among all others, however far away the graph believes them to be. A loop closure
 /// is added where the surfaces fit and a second such loop nearby confirms it. @return how many were added
 int recognise_places(GraphState* state, OptimizeReport* report);
 
-/// Finds the pairs that are new or have moved, chooses points for them and registers each by itself.
+/// Finds the pairs that are new or have moved, chooses points for them and registers each alone, without the rest of
+/// the graph.
 void update_pairs(GraphState* state, bool is_full, OptimizeReport* report);
 
 /// Makes new models for the pairs whose relative pose has changed since theirs were made.
