@@ -15,7 +15,7 @@
 #include <ceres/local_parameterization.h>
 #endif
 
-/// The one place that knows which Ceres it is: 1.14 has LocalParameterization, 2.1 deprecates it for Manifold.
+/// Hides the differences between versions of Ceres: 1.14 has LocalParameterization, 2.1 deprecates it for Manifold.
 namespace voxnav::graph {
 
 inline void add_wrapped(const double* x, const double* delta, double* x_plus_delta) {

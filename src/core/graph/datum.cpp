@@ -27,8 +27,9 @@ struct Alignment {
   double spread_m;
 };
 
-/// Weighted least-squares turn and shift.
-/// Source: Umeyama, Least-squares estimation of transformation parameters, PAMI 1991, restricted to turns about z.
+/// Computes the weighted least-squares heading and translation between two point sets.
+/// Source: Umeyama, Least-squares estimation of transformation parameters between two point patterns, PAMI 1991,
+/// section III, restricted to rotations about z.
 Alignment align(const std::vector<Match>& matches) {
   constexpr double kMinSpreadM = 0.5;  // below it the heading is noise
   geometry::Vec3 mean_W = geometry::Vec3::Zero();
@@ -58,7 +59,7 @@ Alignment align(const std::vector<Match>& matches) {
   return out;
 }
 
-/// Gives fixes that lie far from the alignment, compared with the median fix, less weight in the next one.
+/// Lowers the weights of fixes that lie far from the alignment, compared with the median fix, for the next iteration.
 void reweigh(const Pose4& T_W_G, std::vector<Match>* matches) {
   std::vector<double> errors;
   for (const Match& m : *matches) errors.push_back((m.p_W - to_pose(T_W_G) * m.p_G).norm());

@@ -59,7 +59,7 @@ Pose4 SeenAt::evaluate(const Pose4& T_W_own, const Pose4& T_W_neighbour, Matrix4
   const double c = std::cos(earlier[3]);
   const double s = std::sin(earlier[3]);
   const Eigen::Vector3d moved(c * step.x() - s * step.y(), s * step.x() + c * step.y(), step.z());
-  const double sign = is_before ? 1.0 : -1.0;  // where odometry puts own: after the neighbour, or before it
+  const double sign = is_before ? 1.0 : -1.0;  // odometry leads from the neighbour to this submap, or back
   Pose4 out = T_W_own;
   out.head<3>() += share * (T_W_neighbour.head<3>() + sign * moved - T_W_own.head<3>());
   const Eigen::Vector3d turned(-moved.y(), moved.x(), 0.0);

@@ -17,14 +17,13 @@ struct RelativePoseFactor {
   Pose4 evaluate(const Pose4& T_W_a, const Pose4& T_W_b, Matrix4* jacobian_a, Matrix4* jacobian_b) const;
 };
 
-/// Where a submap lay at the time it saw something, under the assumption that drift grows evenly from the middle of one
-/// submap to the middle of the next. The pose of a submap holds for its middle. At `share` (0 to 1/2) of the way from
-/// there to the middle of its neighbour, the submap has moved by this share of what the graph moved the neighbour
-/// against odometry:
-/// t' = t + share (t_neighbour ± R_z(ψ_earlier) step − t), yaw unchanged.
+/// The pose of a submap at the time when it saw something, under the assumption that drift grows evenly from the middle
+/// of one submap to the middle of the next. The pose of a submap holds for its middle. At `share` (0 to 1/2) of the
+/// time from there to the middle of its neighbour, the submap is shifted by this share of the neighbour's correction
+/// against odometry: t' = t + share (t_neighbour ± R_z(ψ_earlier) step − t), yaw unchanged.
 struct SeenAt {
   double share = 0.0;
-  bool is_before = false;                          ///< the neighbour is the submap before
+  bool is_before = false;                          ///< the neighbour is the submap before this one
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< odometry from the earlier to the later, frame of the earlier
 
   /// Jacobians may be null.

@@ -71,7 +71,7 @@ class Line {
   int number_;
 };
 
-/// Rows and columns `keep` of a larger matrix at positions `put` of a 4x4 one.
+/// Copies rows and columns `keep` of a larger matrix to positions `put` of a 4x4 matrix.
 template <int N, int K>
 Matrix4 spread(const Eigen::Matrix<double, N, N>& from, const int (&keep)[K], const int (&put)[K]) {
   Matrix4 out = Matrix4::Zero();
@@ -81,7 +81,7 @@ Matrix4 spread(const Eigen::Matrix<double, N, N>& from, const int (&keep)[K], co
   return out;
 }
 
-/// Information of a planar edge: z is held as firmly as x and y, so that no direction is left free.
+/// Returns the information of a planar edge, in which z has the weight of x and y, so that no direction is left free.
 Matrix4 planar_information(const Eigen::Matrix3d& information) {
   Matrix4 out = spread<3, 3>(information, {0, 1, 2}, {0, 1, 3});
   out(2, 2) = std::max(information(0, 0), information(1, 1));

@@ -22,8 +22,8 @@ struct G2o {
 };
 
 /// Reads VERTEX_SE3:QUAT and EDGE_SE3:QUAT, and VERTEX_SE2 and EDGE_SE2 as poses at z = 0 that are held there. Comments
-/// and FIX are ignored. Of the 6x6 information of an SE3 edge the rows x, y, z and yaw are used. Rotation counts in
-/// radians, as in the readers of Ceres and GTSAM, while g2o itself means half angles.
+/// and FIX are ignored. Of the 6x6 information of an SE3 edge the rows x, y, z and yaw are used. Rotations are in
+/// radians, as in the readers of Ceres and GTSAM, while g2o itself uses half angles.
 /// @throws std::invalid_argument naming line and fault: unknown tag, missing or non-finite number, tilted pose,
 ///         unknown vertex, duplicate vertex
 G2o read_g2o(const std::string& text);

@@ -11,11 +11,12 @@
 #include "voxnav/geometry/voxel.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 
-/// What a SubmapGraph holds. Only sources of this floor include it; graph_steps.hpp has what they do with it.
+/// The data of a SubmapGraph. Only sources of this floor include this header; graph_steps.hpp declares the steps of a
+/// solve that work on it.
 namespace voxnav::graph {
 
 struct Node {
-  SurfaceSample sample;                    ///< its field is null when the submap is not registered to others
+  SurfaceSample sample;                    ///< its field is null if the submap is not registered to others
   SurfaceSample coarse;                    ///< the same surfaces with a field that reaches farther and resolves less
   std::vector<geometry::Index3> blocks_S;  ///< cells of pair_block_m that hold sample points
   Place place;
@@ -33,8 +34,8 @@ struct RelativeConstraint {
   bool is_recognised = false;  ///< a recognised loop: place recognition found it, and a second one confirmed it
 };
 
-/// A loop closure that place recognition proposes: two submaps look like the same place, and their surfaces fit there.
-/// It enters the graph once a second one nearby agrees with it.
+/// A candidate of place recognition: two submaps look like the same place, and their surfaces fit. It enters the graph
+/// as a loop closure once a second candidate nearby agrees with it.
 struct RecognisedLoop {
   int a;
   int b;
@@ -56,8 +57,8 @@ struct HeightConstraint {
 struct RegistrationPair {
   int a;
   int b;
-  bool is_active = false;  ///< the two overlap enough; other pairs are kept so that they are not tested at each solve
-  Pose4 considered_at = Pose4::Zero();  ///< relative pose that the graph had when points were last chosen
+  bool is_active = false;  ///< the two overlap enough; others are kept, so that they are not tested again at each solve
+  Pose4 considered_at = Pose4::Zero();  ///< relative pose in the graph when points were last chosen
   Pose4 registered_at = Pose4::Zero();  ///< seen_relative() pose to which registration then moved the pair
   PairOverlap overlap;
   PairModel model;
@@ -72,7 +73,7 @@ struct Neighbour {
   Eigen::Vector3d step;  ///< odometry from the earlier of the two to the later, in the frame of the earlier
 };
 
-/// What a solve estimates.
+/// The variables of a solve.
 struct Estimate {
   std::map<int, Pose4> poses;
   Pose4 datum = Pose4::Zero();
@@ -84,10 +85,10 @@ struct GraphState {
   std::vector<RelativeConstraint> relatives;
   std::vector<PositionConstraint> positions;
   std::vector<HeightConstraint> heights;
-  std::map<int, Neighbour> before;  ///< by submap: the one from which odometry leads to it
-  std::map<int, Neighbour> after;   ///< by submap: the one to which odometry leads on
+  std::map<int, Neighbour> before;  ///< for each submap the one before it, from which odometry leads to it
+  std::map<int, Neighbour> after;   ///< for each submap the one after it, to which odometry leads on
   PlaceIndex places;
-  std::vector<int> unrecognised;  ///< submaps whose place was not compared with the others yet
+  std::vector<int> unrecognised;  ///< submaps whose places have not been compared with the others yet
   std::vector<RecognisedLoop> recognised;
   std::map<std::pair<int, int>, RegistrationPair> pairs;  ///< sorted, so that sums do not depend on how they were found
   Estimate estimate;

@@ -16,21 +16,21 @@ using geometry::Vec3;
 
 constexpr double kGroundCell_m = 1.6;
 constexpr double kColumn_m = 0.8;
-constexpr double kLowest_m = 0.5;  // above the ground: below it grass and stones stand upright too
+constexpr double kLowest_m = 0.5;  // height above the ground; below it grass and stones stand upright, too
 constexpr double kLevel_m = 0.5;
 constexpr int kLevels = 8;
-constexpr int kMinLevels = 5;  // of the eight that must hold something for a landmark
+constexpr int kMinLevels = 5;  // number of the eight levels that must hold points
 constexpr float kUprightNormalZ = 0.7f;
 constexpr std::size_t kMaxLandmarks = 150;
 
-/// Cell of a horizontal grid.
+/// A cell of a horizontal grid.
 Index3 cell_of(const Vec3& p, double cell_m) {
   Index3 out = geometry::index_of(p, cell_m);
   out.z = 0;
   return out;
 }
 
-/// Height of the lowest point in each cell of a horizontal grid.
+/// The height of the lowest point in each cell of a horizontal grid.
 std::map<Index3, double> ground_of(const std::vector<SurfacePoint>& points) {
   std::map<Index3, double> lowest;
   for (const SurfacePoint& point : points) {
@@ -54,7 +54,7 @@ double ground_around(const std::map<Index3, double>& ground, const Vec3& p) {
 struct Column {
   unsigned levels = 0;
   int count = 0;
-  Vec3 sum = Vec3::Zero();  ///< x, y of its points, ground below them
+  Vec3 sum = Vec3::Zero();  ///< sums of x and y of its points and of the ground heights below them
 };
 
 std::map<Index3, Column> columns_of(const std::vector<SurfacePoint>& points) {
@@ -74,7 +74,7 @@ std::map<Index3, Column> columns_of(const std::vector<SurfacePoint>& points) {
   return columns;
 }
 
-/// One landmark for each column that holds more points than its eight neighbours, at the mean of all nine.
+/// Returns one landmark for each column that holds more points than its eight neighbours, at the mean of all nine.
 std::vector<Vec3> peaks_of(const std::map<Index3, Column>& columns) {
   std::vector<std::pair<int, Vec3>> found;
   for (const auto& [index, column] : columns) {

@@ -7,9 +7,9 @@
 
 namespace voxnav::graph {
 
-/// Feet of the upright things (trunks, poles, corners of walls) among the surface points of a submap, frame S: columns
-/// of a horizontal grid that hold points on at least five of the eight half metres from 0.5 m above the ground around
-/// them. The number of landmarks is bounded. O(n log n); deterministic.
+/// Finds the landmarks among the surface points of a submap, frame S: the feet of upright things (trunks, poles,
+/// corners of walls). A landmark is a column of a horizontal grid with points on at least five of the eight half metres
+/// from 0.5 m above the ground around it. The number of landmarks is bounded. O(n log n); deterministic.
 std::vector<geometry::Vec3> landmarks_of(const std::vector<geometry::SurfacePoint>& points);
 
 }  // namespace voxnav::graph

@@ -106,12 +106,12 @@ int accept_agreeing(GraphState* state, const Estimate& estimate) {
   std::vector<RelativeConstraint*> agreeing;
   for (RelativeConstraint& loop : state->relatives) {
     if (loop.kind != ConstraintKind::kLoop || loop.state == LoopState::kAccepted) continue;
-    // Two places confirmed this loop. The graph, which does not know how far it has drifted, is no judge of it.
+    // Two places confirmed this loop. It is not tested against the graph, which does not know how far it has drifted.
     if (loop.is_recognised) {
       agreeing.push_back(&loop);
       continue;
     }
-    // The uncertainty of the graph only lowers the distance, so that a small residual does not need the marginals.
+    // The covariance of the graph only lowers the distance, so a small residual passes without the marginals.
     double chi2 = residual_chi2(loop, estimate);
     if (chi2 > gate) {
       if (!marginals) marginals.emplace(*state, estimate);
@@ -128,7 +128,7 @@ int accept_agreeing(GraphState* state, const Estimate& estimate) {
   return static_cast<int>(agreeing.size());
 }
 
-/// Rejects the accepted loop that the other constraints contradict most. @return false when all agree
+/// Rejects the accepted loop that contradicts the other constraints most. @return false if all agree
 bool reject_worst(GraphState* state, const Estimate& estimate) {
   RelativeConstraint* worst = nullptr;
   double worst_chi2 = state->config.loop_gate_chi2;
@@ -167,10 +167,11 @@ void judge_loops(GraphState* state, bool is_full, Estimate* estimate) {
     return;
   }
   if (is_news) {
-    // All are judged afresh from the graph without them, so that one accepted wrongly does not lock out those to come.
+    // All loops are tested again from the graph without them, so that one wrongly accepted loop does not lock out later
+    // ones.
     for (RelativeConstraint* loop : loops) loop->state = LoopState::kUntested;
     solve_factors(*state, pair_width, estimate);
-    // Accepted loops straighten the graph, after which true ones that looked far off may fit: hence rounds.
+    // There are several rounds, because accepted loops correct the graph, after which other true loops may fit.
     for (int round = 0; round < kMaxRounds && accept_agreeing(state, *estimate) > 0; ++round) {
       solve_factors(*state, pair_width, estimate);
     }

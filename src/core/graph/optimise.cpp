@@ -72,7 +72,7 @@ class Descent {
         return;
       }
       if (was_refused(target, move_m) || !step_towards(target)) {
-        // No step along the model's minimum lowers the true cost: this is as good as it gets.
+        // No step towards the minimum of the model lowers the true cost, so the estimate is kept.
         report_->is_converged = move_m < 10.0 * state_->config.convergence_m;
         return;
       }
@@ -82,7 +82,7 @@ class Descent {
   const Estimate& best() const { return best_; }
 
  private:
-  /// Remembers an estimate as the best so far, with the models that were made there.
+  /// Stores an estimate as the best so far, with the models that were made there.
   void keep(const Estimate& best, double cost) {
     best_ = best;
     best_cost_ = cost;
@@ -97,13 +97,13 @@ class Descent {
 
   double model_cost(const Estimate& x) const { return total(costs_of(*state_, x)); }
 
-  /// Whether the models already say that a step does not pay. Near the estimate at which they were made they are as
-  /// good a judge as the pairs themselves.
+  /// Returns true if the models already show that a step does not lower the cost. Near the estimate at which they were
+  /// made, they are as reliable as evaluations of the pairs.
   bool is_hopeless(const Estimate& trial) const {
     constexpr double kModelsHold_m = 0.1;
     return largest_move_m(best_, trial) < kModelsHold_m && model_cost(trial) >= best_cost_;
   }
-  /// Whether a target is nearly the same as one that was tried in vain.
+  /// Returns true if a target is nearly the same as one that was tried in vain.
   bool was_refused(const Estimate& target, double move_m) const {
     return refused_ && largest_move_m(*refused_, target) < 0.2 * move_m;
   }
@@ -111,7 +111,7 @@ class Descent {
   /// Makes a trial the best estimate if its true cost is lower; the models are afterwards those of the best. A trial
   /// that has begun is finished, as no decision may rest on half of the pairs, so that the budget may be exceeded by
   /// one evaluation per pair.
-  /// @return its cost; nothing when it is hopeless or the budget was used up
+  /// @return its cost; nothing if it is hopeless or the budget is used up
   std::optional<double> try_out(const Estimate& trial) {
     if (is_hopeless(trial) || report_->num_pair_evaluations >= max_evaluations_) return std::nullopt;
     const double cost = total(exact_costs(trial));
@@ -126,7 +126,7 @@ class Descent {
   /// Tries the whole step to a target and, if that does not lower the cost, the part of it at the minimum of the
   /// parabola through both costs and the slope at the best estimate. @return whether the cost fell
   bool step_towards(const Estimate& target) {
-    constexpr double kLeastGain = 1e-4;  // of the cost, to be worth another trial
+    constexpr double kLeastGain = 1e-4;  // relative gain of the cost below which no further trial is made
     const double from = best_cost_;
     const double slope = 4.0 * model_cost(between(best_, target, 0.5)) - model_cost(target) - 3.0 * from;
     const std::optional<double> cost = try_out(target);
@@ -176,13 +176,13 @@ OptimizeReport optimise(GraphState* state, bool is_full) {
   const int max_evaluations = state->config.max_pair_evaluations * (is_full ? 10 : 1);
   Estimate guess = input;
   if (recognise_places(state, &report) > 0) {
-    // The submaps have to lie near their places before pairs are formed from where they lie.
+    // The submaps must lie near their true places before pairs are formed by their overlap.
     solve_factors(*state, state->config.robust_width, &guess);
     judge_loops(state, is_full, &guess);
     state->estimate = guess;
   }
   update_pairs(state, is_full, &report);
-  // First the pose graph with each new pair as registered by itself, which may be metres away from here.
+  // The pose graph is solved first with each new pair as registered alone, which may be metres from the present poses.
   solve_factors(*state, state->config.robust_width, &guess);
   judge_loops(state, is_full, &guess);
   update_sways(state, guess.poses);

@@ -9,7 +9,7 @@ namespace {
 
 using geometry::Vec3;
 
-/// Points of `from` that lie where `into` is observed, at most `max_points`.
+/// Chooses at most `max_points` points of `from` that lie in the observed part of `into`.
 /// @param ratio  receives the share of all points of `from` that lie there
 std::vector<std::uint32_t> points_inside(const SurfaceSample& from, const SurfaceSample& into,
                                          const geometry::Pose& T_into_from, int max_points, double* ratio) {
@@ -51,15 +51,15 @@ struct Sums {
   }
 };
 
-/// Part of a slope that a point may use. Near the end of what the other submap saw of a plane its distance field slopes
-/// towards that end, and between its surface points it ripples. Neither says anything about the plane, so that for a
-/// point in a plane only the slope along its normal counts.
+/// Returns the part of a gradient that a point may use. Near the edge of the observed part of a plane, the distance
+/// field slopes towards that edge, and between surface points it ripples. Neither is information about the plane, so
+/// for a point in a plane only the component along its normal counts.
 Vec3 believed(const Vec3& slope, const SamplePoint& point, const Vec3& normal) {
   return point.is_planar ? Vec3(slope.dot(normal) * normal) : slope;
 }
 
-/// One submap of a pair with its own drift taken out: everything it saw is moved to where it would lie, had the submap
-/// seen it at the mean time at which it saw what the pair shares.
+/// One submap of a pair with its drift taken out: all its content is moved to where it would lie if the submap had seen
+/// it at the mean time at which it saw what the pair shares.
 class Steady {
  public:
   Steady(const SurfaceSample& sample, double phase)
@@ -78,7 +78,7 @@ class Steady {
   Vec3 mean_;
 };
 
-/// Mean phase (0 to 1, share of the submap's time) at which the submap saw the given points.
+/// Returns the mean phase, 0 to 1, at which the submap saw the given points.
 double mean_phase(const SurfaceSample& sample, const std::vector<std::uint32_t>& points) {
   double weight = 0.0;
   double sum = 0.0;

@@ -14,9 +14,9 @@
 /// weight, lost overlap costs, information from the Hessian.
 namespace voxnav::graph {
 
-/// Points of each submap that lay in the observed part of the other when the pair was formed. They stay the same
-/// while a pair is compared with itself: a point that loses its match then costs as much as an outlier, so moving
-/// apart never pays.
+/// The points of each submap that lay in the observed part of the other when the pair was formed. They stay the same
+/// while costs of the pair are compared: a point that loses its match then costs as much as an outlier, so moving apart
+/// never lowers the cost.
 struct PairOverlap {
   std::vector<std::uint32_t> of_a;
   std::vector<std::uint32_t> of_b;
@@ -39,24 +39,26 @@ struct PairModel {
   double radius_m = 1.0;                               ///< horizontal rms distance from center_A
 };
 
-/// Only the cost that evaluate_pair() would find. The sum stops as soon as it is known to reach `enough_m2`, and what
-/// is then returned is some cost of at least that much.
+/// Returns only the cost of evaluate_pair(). The sum stops as soon as it reaches `enough_m2`; the result is then some
+/// cost of at least that much.
 double cost_up_to(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                   double kernel_m, double enough_m2);
 
-/// Cost and model of a pair at T_A_B with a Geman-McClure kernel of width `kernel_m`: residuals far beyond it cost
-/// kernel_m² and no longer pull. O(points); deterministic.
-/// Source of the kernel: Geman and McClure, Statistical methods for tomographic image reconstruction, 1987.
+/// Computes cost and model of a pair at T_A_B with a Geman-McClure kernel of width `kernel_m`: residuals far beyond it
+/// cost kernel_m² and have no gradient. O(points); deterministic.
+/// Source of the kernel: Geman and McClure, Statistical methods for tomographic image reconstruction, Bulletin of the
+/// International Statistical Institute 1987.
 PairModel evaluate_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                         double kernel_m);
 
 /// The pair as a factor on its relative pose: minimum of the model, and its Hessian times `information` as weight.
-/// Directions in which the surfaces say little (mean squared slope below `noise_floor`, yaw taken at the radius of the
-/// points) are left free: flat ground determines z and neither x, y nor yaw. The minimum is sought within `max_step_m`.
+/// Directions that the surfaces hardly determine (mean squared slope below `noise_floor`, yaw taken at the radius of
+/// the points) are left free: flat ground determines z and neither x, y nor yaw. The minimum is searched within
+/// `max_step_m`.
 RelativePoseFactor to_factor(const PairModel& model, double information, double noise_floor, double max_step_m);
 
-/// Descends the pair alone from T_A_B with kernels from coarse to fine; bounded steps.
-/// @return model at the end, taken with the last kernel
+/// Registers the pair alone by descent from T_A_B, with kernels from coarse to fine and a bounded number of steps.
+/// @return model at the end, with the last kernel
 PairModel refine_pair(const SurfaceSample& a, const SurfaceSample& b, const PairOverlap& overlap, const Pose4& T_A_B,
                       const std::vector<double>& kernels_m, double noise_floor);
 
@@ -69,8 +71,8 @@ struct PairSearch {
 };
 
 /// Correlative search over x, y and yaw around T_A_B for the alignment that plain descent cannot reach.
-/// @return nothing when no alignment stands out (an alias is worse than no constraint)
-/// Source: Olson, Real-time correlative scan matching, ICRA 2009.
+/// @return nothing if no alignment stands out (a wrong alignment is worse than none)
+/// Source: Olson, Real-time correlative scan matching, ICRA 2009, section III.
 std::optional<Pose4> search_pair(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B,
                                  const PairSearch& search);
 

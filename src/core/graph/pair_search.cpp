@@ -8,8 +8,8 @@
 namespace voxnav::graph {
 namespace {
 
-/// The first upright points of a sample. Only these determine x, y and yaw, and a prefix of a sample is as evenly
-/// spread as the whole.
+/// Returns the first upright points of a sample. Only these determine x, y and yaw, and a prefix of a sample is spread
+/// as evenly as the whole.
 SurfaceSample upright_prefix(const SurfaceSample& sample, int max_points) {
   SurfaceSample out;
   out.field = sample.field;
@@ -28,7 +28,7 @@ PairOverlap all_points(const SurfaceSample& a, const SurfaceSample& b) {
   return out;
 }
 
-/// An alignment of the grid and what it costs.
+/// An alignment of the grid and its cost.
 struct GridPose {
   Pose4 T_A_B;
   double cost;
@@ -36,8 +36,8 @@ struct GridPose {
 
 int steps_within(double range, double step) { return static_cast<int>(std::ceil(range / step)); }
 
-/// T_A_B shifted by (dx, dy) and turned about the middle of B's points. A turn about the origin of B would move the
-/// points sideways too, and the steps of the grid would depend on each other.
+/// Returns T_A_B shifted by (dx, dy) and rotated about the middle of B's points. A rotation about the origin of B would
+/// shift the points as well, and the steps of the grid would depend on each other.
 Pose4 moved(const Pose4& T_A_B, const Eigen::Vector2d& center_B, double dx, double dy, double dyaw) {
   const geometry::Vec3 center(center_B.x(), center_B.y(), 0.0);
   const geometry::Vec3 center_A = to_pose(T_A_B) * center;

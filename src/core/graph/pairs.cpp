@@ -7,8 +7,8 @@
 namespace voxnav::graph {
 namespace {
 
-/// Whether the points of a pair were chosen for another relative pose than it has now. The pose to which its own
-/// registration moved it does not count as another one: closing a loop brings most pairs there.
+/// Returns true if the points of a pair were chosen at another relative pose than it has now. The pose to which its own
+/// registration moved it does not count as another one, because closing a loop brings most pairs there.
 bool is_stale(const GraphState& state, const RegistrationPair& pair, const Pose4& T_A_B) {
   const double radius_m = pair.model.radius_m, refresh_m = state.config.overlap_refresh_m;
   if (motion_m(pair.considered_at, T_A_B, radius_m) <= refresh_m) return false;
@@ -16,7 +16,7 @@ bool is_stale(const GraphState& state, const RegistrationPair& pair, const Pose4
          motion_m(pair.registered_at, seen_relative(state, state.estimate.poses, pair), radius_m) > refresh_m;
 }
 
-/// Pairs that have to be registered: those that overlap and are new or stale, in bounded numbers.
+/// Returns the pairs that have to be registered: those that overlap and are new or stale, in bounded numbers.
 std::vector<RegistrationPair*> pairs_to_form(GraphState* state, bool is_full) {
   std::vector<RegistrationPair*> out;
   const SubmapGraphConfig& config = state->config;

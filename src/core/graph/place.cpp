@@ -20,11 +20,11 @@ constexpr std::size_t kMaxTriangles = 2000;
 constexpr float kShortest_m = 2.0f;
 constexpr float kLongest_m = 25.0f;
 constexpr float kStep_m = 0.5f;             // tolerance of a side
-constexpr float kLeastDifference_m = 0.6f;  // sides nearer to each other could be taken for one another
+constexpr float kLeastDifference_m = 0.6f;  // two sides that differ less could be mistaken for each other
 
 float length(const Vec3& a, const Vec3& b) { return static_cast<float>((a - b).head<2>().norm()); }
 
-/// The triangle of three landmarks, unless its sides are too short, too long or too alike to name its corners.
+/// Makes the triangle of three landmarks, unless its sides are too short, too long or too similar to order its corners.
 std::optional<LandmarkTriangle> triangle_of(const std::vector<Vec3>& p, const std::array<std::uint16_t, 3>& corners) {
   struct Side {
     float length_m;

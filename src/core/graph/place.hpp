@@ -15,12 +15,12 @@
 /// differs: landmarks are columns found from above, as roll and pitch are known, so that triangles lie in the plane.
 namespace voxnav::graph {
 
-/// Three landmarks, named by the lengths of their sides, so that two submaps name the same three alike: v0 v1 is the
-/// shortest side and v0 v2 the longest.
+/// A triangle of three landmarks. Its corners are ordered by the lengths of its sides, so that two submaps order the
+/// same three landmarks alike: v0 v1 is the shortest side and v0 v2 the longest.
 struct LandmarkTriangle {
   std::uint16_t vertices[3];
-  float sides_m[3];  ///< rising
-  bool is_left;      ///< v0 v1 v2 turn left
+  float sides_m[3];  ///< lengths of the sides, rising
+  bool is_left;      ///< whether v0, v1, v2 turn left
 };
 
 /// The landmarks of a submap and the triangles they form.
@@ -32,8 +32,8 @@ struct Place {
 /// Finds the landmarks of a submap and their triangles; both are bounded in number. Deterministic. O(n log n).
 Place describe_place(const std::vector<geometry::SurfacePoint>& points);
 
-/// Hash key of a triangle: its three sides in steps of the tolerance, and its handedness. `da`, `db` and `dc` are added
-/// to the steps, to look up triangles whose sides differ by a step.
+/// Returns the hash key of a triangle: its three sides in steps of the tolerance, and its handedness. `da`, `db` and
+/// `dc` are added to the steps, to look up triangles whose sides differ by a step.
 std::uint32_t triangle_key(const LandmarkTriangle& triangle, int da = 0, int db = 0, int dc = 0);
 
 struct PlaceMatch {
@@ -41,15 +41,15 @@ struct PlaceMatch {
   int num_landmarks = 0;  ///< landmarks that the two have in common at T_A_B
 };
 
-/// The relative pose at which most landmarks of the two coincide. Nothing is returned when too few do, or when another
-/// pose explains nearly as many. O(triangles * triangles of the same shape).
+/// Returns the relative pose at which most landmarks of the two coincide; nothing if too few do, or if another pose
+/// explains nearly as many. O(triangles * triangles of the same shape).
 std::optional<PlaceMatch> match_places(const Place& a, const Place& b);
 
-/// Finds, among many places, those that have triangles of the same shape.
+/// An index that finds, among many places, those that have triangles of the same shape.
 class PlaceIndex {
  public:
   void add(int id, const Place& place);
-  /// Ids of the places, other than `id` itself, that share most triangles with `place`: at most `limit`, best first.
+  /// Returns the ids of at most `limit` places other than `id` that share most triangles with `place`, best first.
   /// O(triangles * places that share a shape).
   std::vector<int> similar(int id, const Place& place, int limit) const;
 

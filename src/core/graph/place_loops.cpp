@@ -9,19 +9,19 @@ namespace {
 
 constexpr std::size_t kMaxPending = 500;
 
-/// Whether ordinary registration of the pair would search there too, so that no loop closure is needed.
+/// Returns true if ordinary registration of the pair would search there too, so that no loop closure is needed.
 bool is_within_search(const GraphState& state, const Pose4& from, const Pose4& to) {
   return (to - from).head<3>().norm() < state.config.search_range_m &&
          std::abs(geometry::wrap_angle(to[3] - from[3])) < state.config.search_range_rad;
 }
 
-/// How much the pair explains where the graph has it now.
+/// Returns the support of the pair at its present pose in the graph.
 double present_support(const GraphState& state, int a, int b) {
   const auto found = state.pairs.find({a, b});
   return found == state.pairs.end() ? 0.0 : support_of(state, found->second);
 }
 
-/// Registers b where its place was recognised in a; nothing when the surfaces do not fit there.
+/// Registers b at the pose at which its place was recognised in a; nothing if the surfaces do not fit there.
 std::optional<RecognisedLoop> verified(const GraphState& state, int a, int b) {
   const auto match = match_places(state.nodes.at(a).place, state.nodes.at(b).place);
   if (!match) return std::nullopt;
@@ -34,15 +34,15 @@ std::optional<RecognisedLoop> verified(const GraphState& state, int a, int b) {
   return RecognisedLoop{a, b, pair.factor, false};
 }
 
-/// Submaps between two ids, in the order of ids.
+/// Returns the number of steps between two submaps in the order of ids.
 int steps_between(const GraphState& state, int a, int b) {
   const auto low = state.nodes.find(std::min(a, b));
   const auto high = state.nodes.find(std::max(a, b));
   return static_cast<int>(std::distance(low, high));
 }
 
-/// Two loops confirm each other when they join the same two stretches of the flight and, with what the graph says along
-/// these few submaps, close a circle.
+/// Returns true if two loops confirm each other: they join the same two stretches of the flight, and together with the
+/// graph along these few submaps they close a circle.
 bool confirm_each_other(const GraphState& state, const RecognisedLoop& l, const RecognisedLoop& r) {
   constexpr int kMaxSteps = 4;
   constexpr double kClosed_m = 1.0;

@@ -11,19 +11,19 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double kSame_m = 0.6;        // two landmarks nearer than this, horizontally, are taken for the same
-constexpr double kSameHeight_m = 1.0;  // and their feet must differ in height by no more than this
+constexpr double kSame_m = 0.6;        // horizontal distance below which two landmarks are taken for the same
+constexpr double kSameHeight_m = 1.0;  // difference in height of their feet up to which they are
 constexpr float kSideTolerance_m = 0.5f;
 constexpr double kVoteCell_m = 1.0;
 constexpr double kVoteCell_rad = 0.1;
 constexpr int kHypotheses = 12;
 constexpr int kMinLandmarks = 6;
-constexpr double kMinShare = 0.3;      // least share of the landmarks of the place that has fewer
+constexpr double kMinShare = 0.3;      // minimum share of the landmarks of the place that has fewer
 constexpr double kMaxRunnerUp = 0.75;  // a second pose with more than this share of the best makes a match ambiguous
 
 using Pairing = std::vector<std::pair<int, int>>;  // landmarks of A and B taken for the same
 
-/// Relative pose that brings paired landmarks together with the least squared distance.
+/// Returns the relative pose with the least sum of squared distances between paired landmarks.
 Pose4 fit(const Place& a, const Place& b, const Pairing& pairs) {
   Vec3 mean_a = Vec3::Zero();
   Vec3 mean_b = Vec3::Zero();
@@ -46,7 +46,7 @@ Pose4 fit(const Place& a, const Place& b, const Pairing& pairs) {
   return out;
 }
 
-/// Landmarks of B that fall on one of A, each of A at most once. O(landmarks²).
+/// Pairs the landmarks of B that fall on one of A, each of A at most once. O(landmarks²).
 Pairing pairs_at(const Place& a, const Place& b, const Pose4& T_A_B) {
   const geometry::Pose T = to_pose(T_A_B);
   Pairing out;
@@ -80,7 +80,7 @@ struct Vote {
   Pose4 T_A_B;
 };
 
-/// Relative poses at which triangles of the same shape coincide, those with most triangles first.
+/// Returns the relative poses at which triangles of the same shape coincide, those with most triangles first.
 std::vector<Pose4> hypotheses(const Place& a, const Place& b) {
   std::unordered_map<std::uint32_t, std::vector<const LandmarkTriangle*>> table;
   for (const LandmarkTriangle& triangle : a.triangles) table[triangle_key(triangle)].push_back(&triangle);

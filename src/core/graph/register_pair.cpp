@@ -11,7 +11,7 @@ namespace {
 
 double size_of(const PairOverlap& overlap) { return static_cast<double>(overlap.of_a.size() + overlap.of_b.size()); }
 
-/// The cost of a model as a share of what it would be if every point were an outlier.
+/// Returns the cost of a model as a share of the cost if every point were an outlier.
 double misfit(const PairModel& model, double kernel_m) { return model.cost_m2 / (kernel_m * kernel_m); }
 
 void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair* pair) {
@@ -24,7 +24,8 @@ void choose_points(const GraphState& state, const Pose4& T_A_B, RegistrationPair
   pair->information = config.registration_effective_points * fullness / std::pow(config.registration_sigma_m, 2);
 }
 
-/// A registration that ends beyond the range of the search has run away, however well it fits there.
+/// Returns true if a registration ended within the range of the search. One that ended beyond it has diverged, however
+/// well it fits there.
 bool is_within_reach(const GraphState& state, const Pose4& from, const Pose4& to) {
   constexpr double kSlackM = 1.0;
   constexpr double kSlackRad = 0.05;
@@ -33,7 +34,7 @@ bool is_within_reach(const GraphState& state, const Pose4& from, const Pose4& to
 }
 
 /// Registers one pair by descent on the submaps' own fields. Points and pose are chosen in turn, since nearer to the
-/// truth more points of one submap lie where the other one has observed space.
+/// truth more points of one submap lie in the observed space of the other.
 RegistrationPair descended(const GraphState& state, const Pose4& T_A_B, const RegistrationPair& pair) {
   constexpr int kMaxRounds = 3;
   const double fine_m = state.kernel_m(pair, state.config.fine_kernel_voxels);
@@ -82,8 +83,8 @@ struct CoarsePair {
   std::vector<double> kernels;
 };
 
-/// Relative pose that the coarse fields suggest: that of descent, or that of a search when the search finds one
-/// alignment that stands out and fits clearly better.
+/// Returns the relative pose that the coarse fields suggest: that of descent, or that of a grid search if the search
+/// finds one alignment that stands out and fits clearly better.
 Pose4 approach(const CoarsePair& coarse, const Pose4& T_A_B, double voxel_m, OptimizeReport* report) {
   const SubmapGraphConfig& config = coarse.state.config;
   const PairModel descended = coarse.descend(T_A_B);
@@ -97,8 +98,8 @@ Pose4 approach(const CoarsePair& coarse, const Pose4& T_A_B, double voxel_m, Opt
   return searched.cost_m2 < config.search_min_advantage * descended.cost_m2 ? searched.T_A_B : descended.T_A_B;
 }
 
-/// How far a registration has moved the pair in directions that its surfaces do not determine. Bare ground that slides
-/// over bare ground overlaps more and more and fits equally well everywhere: such a move proves nothing.
+/// Returns how far a registration moved the pair in directions that its surfaces do not determine. Bare ground that
+/// slides over bare ground overlaps more and more and fits equally well everywhere, so such a move is no evidence.
 double unseen_move_m(const RegistrationPair& pair, const Pose4& from) {
   Pose4 move = pair.model.T_A_B - from;
   move[3] = geometry::wrap_angle(move[3]);

@@ -14,7 +14,7 @@ namespace {
 
 using PoseMap = Eigen::Map<const Pose4>;
 
-/// Copies a matrix into memory of Ceres, row by row. Ceres passes null for what it does not need.
+/// Copies a Jacobian to the memory of Ceres, row by row. Ceres passes null for Jacobians that it does not need.
 template <int Rows, int Columns>
 void store(const Eigen::Matrix<double, Rows, Columns>& value, double* out) {
   for (int i = 0; out && i < Rows; ++i) {

@@ -12,7 +12,7 @@
 namespace voxnav::graph {
 namespace {
 
-constexpr double kReachKernels = 1.5;  // a point this many kernels away is an outlier wherever it is
+constexpr double kReachKernels = 1.5;  // distance in kernel widths beyond which a point is an outlier in any case
 
 double cpu_seconds() {
   timespec now;
@@ -38,7 +38,7 @@ struct SubmapGraph::Impl {
   void check_id(int id) const {
     if (!state.nodes.count(id)) throw std::invalid_argument("unknown submap " + std::to_string(id));
   }
-  /// Measurements of one submap are bounded too.
+  /// Throws if a list of constraints is full: its bound is 20 for each submap that the graph may have.
   template <class T>
   void check_room(const std::vector<T>& constraints) const {
     if (constraints.size() >= 20u * static_cast<std::size_t>(state.config.max_submaps)) {

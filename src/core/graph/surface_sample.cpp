@@ -16,7 +16,7 @@ using geometry::SurfacePoint;
 constexpr double kPhaseCell_m = 1.6;
 constexpr double kMostPhaseCells = 1e5;
 constexpr float kUprightNormalZ = 0.7f;  // 45 degrees
-constexpr float kPlanarWeight = 0.5f;    // submaps give points a larger weight only where they lie in a plane
+constexpr float kPlanarWeight = 0.5f;    // only points in planes have a larger weight
 
 bool is_usable(const SurfacePoint& point) {
   return point.position.allFinite() && point.normal.allFinite() && std::isfinite(point.weight) && point.weight > 0;
@@ -28,7 +28,7 @@ std::uint32_t scatter(std::uint32_t i) {
   return i ^ (i >> 16);
 }
 
-/// Order in which the points of one class are taken: one of every cell, then a second one of every cell, and so on.
+/// Orders the points of one class: one point of every cell, then a second one of every cell, and so on.
 std::vector<std::uint32_t> round_robin(std::map<geometry::Index3, std::vector<std::uint32_t>>* cells,
                                        std::size_t limit) {
   for (auto& [index, members] : *cells) {
@@ -64,7 +64,8 @@ SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, 
       const SurfacePoint& point = all[order[is_upright][k]];
       const geometry::Vec3 position = point.position.cast<double>();
       double own = 0.0;
-      // A surface point lies within a voxel of its surface; a larger own distance is a fault of the field.
+      // A surface point lies within a voxel of its surface; a larger distance in its own field is an error of the
+      // field.
       if (!field->sample(position, &own, nullptr) || std::abs(own) > field->resolution_m()) own = 0.0;
       out.points.push_back({position, static_cast<double>(point.weight), own, is_upright == 1,
                             point.normal.cast<double>(), point.weight > kPlanarWeight, point.phase});
@@ -84,7 +85,7 @@ PhaseGrid::PhaseGrid(const std::vector<SurfacePoint>& points) {
   origin_ = box.min;
   const geometry::Vec3 span = box.max - box.min;
   cell_m_ = std::max({kPhaseCell_m, span.maxCoeff() / kMostPhaseCells, std::cbrt(span.prod() / kMostPhaseCells)});
-  // Level ground, at the lowest height of all, is not to lie on the border of two cells.
+  // The grid is shifted so that level ground, at the lowest height, does not lie on the border of two cells.
   origin_ -= geometry::Vec3::Constant(0.5 * cell_m_);
   size_ = (span / cell_m_).array().cast<int>() + 2;
   phases_.assign(static_cast<std::size_t>(size_.prod()), 0.0f);

@@ -13,14 +13,14 @@ namespace voxnav::graph {
 struct SamplePoint {
   geometry::Vec3 position_S;
   double weight;
-  double own_distance_m;  ///< what the submap's own field says there; subtracted, it removes the bias of the field
+  double own_distance_m;  ///< distance in the submap's own field; subtracting it removes the bias of the field
   bool is_upright;        ///< the point lies on a wall or trunk rather than on the ground
   geometry::Vec3 normal_S = geometry::Vec3::UnitZ();
   bool is_planar = false;  ///< the point lies in a plane, so that only the distance along its normal counts
   double phase = 0.5;      ///< time at which it was seen, as a share of the submap's time
 };
 
-/// Drift within a submap: how far what it saw when it began and when it ended lies from where that would lie without
+/// Drift within a submap: the shift of what it saw at its beginning and at its end against where that would lie without
 /// drift. The drift is zero in the middle of the submap's time and grows evenly towards both ends.
 struct Sway {
   geometry::Vec3 begin_S = geometry::Vec3::Zero();
@@ -32,12 +32,11 @@ struct Sway {
   }
 };
 
-/// Tells at which time (phase 0 to 1 of its own time) a submap saw what lies at a place: the mean over the surface
-/// points of a cell.
+/// The phase (0 to 1) at which a submap saw what lies at a place, as the mean over the surface points of a cell.
 class PhaseGrid {
  public:
   explicit PhaseGrid(const std::vector<geometry::SurfacePoint>& points = {});
-  /// One half, the middle of the submap's time, where there is no surface point.
+  /// Returns the phase at a point; one half, the middle of the submap's time, if its cell has no surface point.
   double at(const geometry::Vec3& p_S) const;
 
  private:
@@ -54,7 +53,7 @@ class PhaseGrid {
 /// registered to. It is drawn once, since a cost that draws anew at each evaluation has no minimum to converge to.
 struct SurfaceSample {
   std::shared_ptr<const geometry::DistanceField> field;
-  std::vector<SamplePoint> points;  ///< every prefix is spread as evenly as the whole
+  std::vector<SamplePoint> points;  ///< ordered so that every prefix is spread as evenly as the whole
   PhaseGrid phases;
   Sway sway;  ///< the present estimate of the graph
 };
@@ -64,7 +63,7 @@ struct SurfaceSample {
 /// or have no positive weight are left out. Deterministic; O(n log n).
 SurfaceSample draw_sample(std::shared_ptr<const geometry::DistanceField> field, int max_points, double cell_m);
 
-/// The first points of a sample together with the coarse field of the same surfaces, for registration from metres away.
+/// Returns the first points of a sample with the coarse field of the same surfaces, for registration from metres away.
 SurfaceSample coarsen(const SurfaceSample& sample, int max_points, double cell_m, double reach_m);
 
 }  // namespace voxnav::graph

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where submaps lay at the time they saw something, and how they drifted while they were made.
+// Poses of submaps at the times when they saw something, and the drift within submaps.
 #include <algorithm>
 #include <cmath>
 #include <set>

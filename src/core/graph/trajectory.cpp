@@ -11,7 +11,7 @@ geometry::Pose corrected(const SubmapCorrection& correction, const geometry::Pos
   return correction.T_W_S * correction.T_O_S.inverse() * T_O_B;
 }
 
-/// Share of the time between the middles of two submaps that has passed at a stamp.
+/// Returns the share of the time between the middles of two submaps that has passed at a stamp.
 double share_of_way(const SubmapCorrection& from, base::StampNs stamp_ns, const SubmapCorrection& to) {
   return static_cast<double>(stamp_ns - from.middle_ns()) / static_cast<double>(to.middle_ns() - from.middle_ns());
 }
@@ -35,7 +35,7 @@ void check_middles(const std::vector<SubmapCorrection>& corrections) {
   }
 }
 
-/// How a submap has to be moved at a time towards its neighbour, seen from where it lies in the middle of its time.
+/// Returns the motion of a submap at a time towards its neighbour, relative to its pose in the middle of its time.
 geometry::Pose bent_towards(const SubmapCorrection& neighbour, const SubmapCorrection& own, base::StampNs stamp_ns,
                             double max_shift_m) {
   const double ratio = std::clamp(share_of_way(own, stamp_ns, neighbour), 0.0, 1.0);
