@@ -13,13 +13,13 @@
 
 namespace voxnav_ros {
 
-/// Collects what a node has to say about itself and publishes it once a second of wall time on
-/// `~diagnostics_out`, so that it is heard even when the simulated clock stands still. Thread-safe.
+/// Collects the diagnostics of a node and publishes them once a second of wall time on `~diagnostics_out`, so that they
+/// arrive even while the simulated clock stands still. Thread-safe.
 class Diagnostics {
  public:
   Diagnostics(const std::string& node, ros::NodeHandle& private_nh);
 
-  /// Begins to publish, once a second of wall time.
+  /// Starts to publish, once a second of wall time.
   void start() { timer_.start(); }
 
   /// Measures the wall and CPU time of the caller's scope: `const auto timer = diagnostics.time("insert");`
@@ -43,7 +43,7 @@ class Diagnostics {
   void add_latency(const std::string& stage, const ros::Time& data_stamp);
   void add_dropped(const std::string& stage, std::uint64_t count = 1);
   void set_counter(const std::string& name, double value);
-  /// Sets the level and what people are told with it. The level OK clears the message.
+  /// Sets the level and its message for people. The level OK clears the message.
   void set_level(std::uint8_t level, const std::string& message);
 
  private:

@@ -9,7 +9,7 @@
 
 namespace voxnav_ros {
 
-/// What a GridUpdate message says besides its blocks.
+/// The fields of a GridUpdate message besides its blocks.
 struct GridUpdateHeader {
   std::string frame_id;
   voxnav::base::StampNs stamp_ns = 0;
@@ -19,7 +19,7 @@ struct GridUpdateHeader {
 
 voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
 
-/// The update of a message, unchecked: containers::apply() checks lengths and states.
+/// Returns the update of a message without checking it: containers::apply() checks lengths and states.
 voxnav::containers::GridUpdate from_msg(const voxnav::GridUpdate& msg);
 
 }  // namespace voxnav_ros

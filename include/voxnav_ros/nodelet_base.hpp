@@ -14,7 +14,7 @@
 
 namespace voxnav_ros {
 
-/// Base of all nodelets, with what they do the same way: strict parameters, diagnostics, time.
+/// Base class of all nodelets, with the parts that they share: strict parameters, diagnostics, time.
 /// A nodelet with unusable parameters logs every problem and is not loaded.
 class NodeletBase : public nodelet::Nodelet {
  protected:
@@ -29,7 +29,8 @@ class NodeletBase : public nodelet::Nodelet {
   /// (https://github.com/ros/nodelet_core/issues/106).
   virtual void start() {}
 
-  /// The node's parameters, for initialize(), which takes its sections and calls finish(). `time` is taken already.
+  /// The node's parameters, for initialize(), which reads its sections and calls finish(). The section `time` has been
+  /// read already.
   ParamLoader& parameters() { return *parameters_; }
   Diagnostics& diagnostics() { return *diagnostics_; }
   Clock& clock() { return time_->clock(); }

@@ -15,18 +15,17 @@ namespace voxnav_ros {
 
 using Blocks = std::vector<voxnav::geometry::Index3>;
 
-/// An empty marker of the given type, without turn or shift.
+/// Returns an empty marker of the given type at the identity pose.
 visualization_msgs::Marker blank_marker(const char* ns, std::int32_t type, double scale_m);
 
 /// How voxels that hold a believed surface are shown as cubes.
 struct CubeStyle {
-  int min_hits = 1;           ///< surfaces that fewer scans have hit are left out
+  int min_hits = 1;           ///< surfaces that were hit by fewer scans are left out
   bool is_by_submap = false;  ///< whether each submap has a colour of its own; else colours show height
   voxnav::submap::HeightScale heights;
 };
 
-/// Adds the voxels of some blocks whose centre the distance field has nearer to a surface than half a voxel diagonal,
-/// because the surface point lies in them.
+/// Adds the voxels of some blocks that hold a believed surface point, as cubes.
 void add_cubes(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks, const CubeStyle& style,
                visualization_msgs::Marker* marker);
 
@@ -35,21 +34,22 @@ void add_mesh(const voxnav::submap::EvidenceMap& evidence, const Blocks& blocks,
               const voxnav::submap::HeightScale& heights, std::size_t max_triangles,
               visualization_msgs::Marker* marker);
 
-/// Distances to the nearest believed surface (field `intensity`) on a horizontal plane through known space of `bounds`;
-/// coarser than the voxels when more than max_points would be needed.
+/// Makes a cloud of distances to the nearest believed surface (field `intensity`) on a horizontal plane through the
+/// known space of `bounds`; it is coarser than the voxels if more than max_points would be needed.
 sensor_msgs::PointCloud2 distance_slice(const voxnav::submap::EvidenceMap& evidence,
                                         const voxnav::geometry::Aabb& bounds, double height_m, double max_distance_m,
                                         std::size_t max_points, const std_msgs::Header& header);
 
-/// Centres of occupied voxels. When there are more than max_points, every n-th is taken, evenly over the map.
+/// Returns the centres of occupied voxels. If there are more than max_points, every n-th one is taken, evenly over the
+/// map.
 sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& grid, std::size_t max_points,
                                         const std_msgs::Header& header);
 
-/// The message of at most `max_changes` changes, the largest first; it says how many were left out.
+/// Makes the message of at most `max_changes` changes, the largest first; it tells how many were left out.
 voxnav::SceneChanges to_msg(std::vector<voxnav::submap::SceneChange> changes, std::size_t max_changes,
                             const std_msgs::Header& header);
 
-/// A green box around everything that appeared and a red one around everything that disappeared. The first marker
+/// Makes a green box around everything that appeared and a red one around everything that disappeared. The first marker
 /// deletes those of the message before.
 visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes);
 

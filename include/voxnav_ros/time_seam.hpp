@@ -13,17 +13,17 @@
 
 namespace voxnav_ros {
 
-/// Seconds for whatever is decided by a duration, an age or a timeout; where they count from means nothing. What is
-/// measured for people alone (diagnostics) is wall time and does not come from here. Thread-safe.
+/// The clock for all decisions by a duration, an age or a timeout, in seconds from an arbitrary start. Durations that
+/// are measured only for people (diagnostics) are wall time and do not use this clock. Thread-safe.
 class Clock {
  public:
   virtual ~Clock() = default;
   virtual double now_s() const = 0;
-  /// To be told of the stamp of every input. Real time goes by itself and takes no notice.
+  /// Takes the stamp of an input; to be called for every input. Real time ignores it.
   virtual void reach(const ros::Time& stamp) = 0;
 };
 
-/// Real time: never stands still, and never goes back.
+/// Real time, which never stands still and never goes back.
 class SteadyClock final : public Clock {
  public:
   double now_s() const override;
@@ -44,24 +44,24 @@ class InputClock final : public Clock {
   std::optional<ros::Time> newest_;
 };
 
-/// The one place in a nodelet that knows whether time is real or a simulation's that waits for the nodes. Which one is
-/// chosen by the section `time` of its parameters; everything else runs the same code on both. Thread-safe.
+/// The one place in a nodelet that knows whether time is real or that of a simulation that waits for the nodes. The
+/// section `time` of the parameters chooses; all other code is the same on both. Thread-safe.
 class TimeSeam {
  public:
   /// Advertises `~progress_out`. @param node name of the ROS node, without its namespace
   TimeSeam(const voxnav::pipeline::TimeConfig& config, std::string node, ros::NodeHandle& private_nh);
 
   Clock& clock() { return *clock_; }
-  /// Everything that the node was sent up to this stamp has been dealt with. Said in real time too: whoever plays a
-  /// recording, and a simulated sensor, go by it.
+  /// Reports that all inputs of the node up to this stamp have been processed. This is reported in real time, too,
+  /// since players of recordings and the simulated sensor wait for it.
   void report_done(const ros::Time& stamp);
-  /// Something of this stamp is about to be sent to the consumers, which report that stamp when they are done with it.
-  /// To be called before it is published, so that the simulation cannot go on in between.
+  /// Announces that a message with this stamp is about to be sent to the consumers, which report the stamp when they
+  /// are done. To be called before the message is published, so that the simulation cannot go on in between.
   void announce(const ros::Time& stamp);
 
  private:
   std::string node_;
-  std::vector<std::string> awaited_;  ///< nodes to announce work for: none in real time
+  std::vector<std::string> awaited_;  ///< nodes for which work is announced; none in real time
   std::unique_ptr<Clock> clock_;
   ros::Publisher progress_;
 };

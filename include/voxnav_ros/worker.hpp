@@ -9,17 +9,16 @@
 
 namespace voxnav_ros {
 
-/// A thread that runs tasks in the order in which they were pushed. At most `capacity` tasks wait; tasks must not
-/// throw.
+/// A thread that runs tasks in the order in which they were added. At most `capacity` tasks wait. Tasks must not throw.
 class Worker {
  public:
   explicit Worker(std::size_t capacity) : capacity_(capacity), thread_([this] { run(); }) {}
-  /// Waits for the task that runs; those that wait are not run.
+  /// Waits for the running task; tasks that still wait are dropped.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// @return false when the queue is full; the task is then not kept
+  /// @return false if the queue is full; the task is then dropped
   bool push(std::function<void()> task);
   std::size_t size() const;
 

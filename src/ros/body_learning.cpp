@@ -31,7 +31,7 @@ std::optional<voxnav::cloud::BodyMask> BodyLearning::add(const voxnav::cloud::Ra
   return mask;
 }
 
-/// Why the body may not be learnt now; empty when it may.
+/// Tells why the body may not be learnt now; empty if it may.
 std::string BodyLearning::refusal() const {
   if (!heard_ || (ros::SteadyTime::now() - *heard_).toSec() > kControlTimeout_s)
     return "nothing on " + control_topic_ + " says that the UAV stands on the ground";

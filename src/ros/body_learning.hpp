@@ -13,13 +13,13 @@
 
 namespace voxnav_ros {
 
-/// The service that learns the UAV's own body from the next clouds. It learns only while the control manager says that
-/// the UAV does not fly, because what is near in flight is an obstacle and must never be masked. For one thread.
+/// The service that learns the UAV's own body from the next clouds. It learns only while the control manager reports
+/// that the UAV does not fly, because near returns in flight are obstacles and must never be masked. For one thread.
 class BodyLearning {
  public:
   BodyLearning(ros::NodeHandle nh, const voxnav::cloud::BodyMaskConfig& config);
   void start(ros::NodeHandle nh);
-  /// Takes the next cloud. @return the mask after the last cloud that it needs, otherwise nothing
+  /// Adds the next cloud. @return the mask after the last cloud that is needed, else nothing
   std::optional<voxnav::cloud::BodyMask> add(const voxnav::cloud::RawCloudView& cloud);
 
  private:

@@ -23,14 +23,14 @@ sensor_msgs::PointField field(const char* name, std::size_t offset, std::uint8_t
   return out;
 }
 
-/// A row of a cloud with open beams: a point has no beam, a beam no coordinates.
+/// A row of a cloud with open beams. A row of a point has no beam direction, a row of a beam has no coordinates.
 struct PointOrBeam {
   Point point;
   float beam[3];
 };
 static_assert(sizeof(PointOrBeam) == sizeof(Point) + 3 * sizeof(float));
 
-/// Header and fields of a cloud whose rows begin with a Point; its bytes are still missing.
+/// Makes header and fields of a cloud whose rows begin with a Point, without its bytes.
 sensor_msgs::PointCloud2Ptr empty_cloud_msg(std::size_t num_rows, std::size_t point_step,
                                             const std_msgs::Header& header) {
   using sensor_msgs::PointField;

@@ -23,7 +23,8 @@ std::string describe(const voxnav::cloud::FilterCounts& counts) {
 
 }  // namespace
 
-/// Raw cloud in, surroundings out. Messages on one topic arrive one at a time, so no mutex is needed.
+/// The nodelet that takes raw clouds and publishes the returns of the surroundings. Messages on one topic arrive one at
+/// a time, so no mutex is needed.
 class CloudFilterNodelet : public NodeletBase {
  public:
   CloudFilterNodelet() : NodeletBase("CloudFilter") {}
@@ -137,7 +138,7 @@ class CloudFilterNodelet : public NodeletBase {
   }
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
-  std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_;  // none unless they are looked for
+  std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_;  // null unless open beams are searched
   std::unique_ptr<BodyLearning> body_learning_;
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Prints the parameters of all nodelets as JSON: {node: {section: [{name, default, min, max, choices, unit, doc}]}}.
-// docs/parameters.md is made of it, and a test compares it with config/*.yaml.
+// docs/parameters.md is generated from it, and test/python/test_parameters.py compares it with config/*.yaml.
 #include <cmath>
 #include <cstdio>
 #include <iostream>

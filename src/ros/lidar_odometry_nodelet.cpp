@@ -12,7 +12,7 @@ namespace {
 
 namespace odometry = voxnav::odometry;
 constexpr double kLogPeriod_s = 5.0;
-/// IMU samples from before the mounting of the IMU or of the LiDAR is known: enough to find out where up is.
+/// Number of IMU samples kept until the mount of the LiDAR is known: enough to find the direction of gravity.
 constexpr std::size_t kMaxEarlySamples = 1000;
 constexpr double kWaitCheck_s = 0.005;
 
@@ -143,7 +143,7 @@ void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
   header.stamp = to_ros(result.stamp_ns);
   header.frame_id = config_.odometry_frame;
   quality_.publish(quality_msg(result, header));
-  // Before there is a map there is no pose to speak of.
+  // Before the first map there is no pose to publish.
   if (estimator_->num_map_voxels() == 0) return;
   odom_.publish(odometry_msg(result, header, config_.body_frame, odometry_config_));
   if (!config_.publish_tf) return;

@@ -20,8 +20,8 @@
 
 namespace voxnav_ros {
 
-/// Filtered clouds and IMU in, odometry of the body out. All callbacks come from the nodelet's single-threaded
-/// queue, so no mutex is needed.
+/// The nodelet that takes filtered clouds and IMU samples and publishes odometry of the body. All callbacks run in the
+/// nodelet's single-threaded queue, so no mutex is needed.
 class LidarOdometryNodelet : public NodeletBase {
  public:
   LidarOdometryNodelet() : NodeletBase("LidarOdometry") {}
@@ -35,7 +35,8 @@ class LidarOdometryNodelet : public NodeletBase {
   bool on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
   bool on_reset_odom(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
 
-  /// Pose of a sensor in the body, or nothing (said in the diagnostics) while tf does not know it.
+  /// Returns the pose of a sensor on the body, or nothing (with a warning in the diagnostics) while tf does not know
+  /// it.
   std::optional<voxnav::geometry::Pose> mounting(const std::string& frame);
   bool make_estimator(const std::string& lidar_frame);
   void add_imu(const sensor_msgs::Imu& msg);
@@ -48,7 +49,7 @@ class LidarOdometryNodelet : public NodeletBase {
 
   voxnav::odometry::LidarOdometryConfig odometry_config_;
   LidarOdometryNodeConfig config_;
-  std::unique_ptr<voxnav::odometry::LidarOdometry> estimator_;  // once the LiDAR's mounting is known
+  std::unique_ptr<voxnav::odometry::LidarOdometry> estimator_;  // null until the mount of the LiDAR is known
   std::string lidar_frame_;
   std::optional<Eigen::Matrix3d> R_B_I_;
   std::deque<sensor_msgs::ImuConstPtr> unmounted_imu_;  // came before the mounting of the IMU was known

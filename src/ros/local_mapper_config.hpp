@@ -8,11 +8,11 @@
 
 namespace voxnav_ros {
 
-/// Where the local mapper's poses come from.
+/// The source of the local mapper's poses.
 enum class MapperPoses { kTf, kOdometry };
 constexpr auto words_of(MapperPoses) { return std::array{"tf", "odometry"}; }
 
-/// What the LocalMapper nodelet needs beside its map and its scheduler.
+/// Parameters of the LocalMapper nodelet beside those of its map and its scheduler.
 struct LocalMapperConfig {
   std::string odometry_frame = "world_origin";
   std::string body_frame = "fcu";

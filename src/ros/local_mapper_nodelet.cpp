@@ -9,10 +9,10 @@
 namespace voxnav_ros {
 namespace {
 
-/// Scans that wait for their pose are looked through so often within tf_timeout_s.
+/// The number of times within tf_timeout_s that scans which wait for their pose are checked.
 constexpr int kChecksPerTimeout = 4;
 
-/// Due when `period_s` has passed since the last time, or when time went back.
+/// Returns true if `period_s` has passed since the last time, or if time went back.
 bool is_due(const ros::Time& now, double period_s, ros::Time* last) {
   if (now >= *last && !last->isZero() && (now - *last).toSec() < period_s) return false;
   *last = now;
@@ -94,7 +94,7 @@ void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
   process();
 }
 
-/// Of the sensor whose scans come, once tf knows where it sits.
+/// Takes the mount of the sensor from tf, once tf knows it.
 void LocalMapperNodelet::find_mount(const std::string& sensor_frame) {
   if (mounted_frame_ == sensor_frame) return;
   const auto T_B_L = tf_->mount(sensor_frame);
@@ -144,7 +144,8 @@ GridUpdateHeader LocalMapperNodelet::update_header(const ros::Time& stamp) const
   return {config_.odometry_frame, to_ns(stamp), sequence_, mapper_->map().config().resolution_m};
 }
 
-/// The first message is one; after that listeners follow the changes, and ask for one when they have missed some.
+/// The first message is a snapshot. Afterwards listeners follow the changes, and request a snapshot if they missed
+/// some.
 bool LocalMapperNodelet::is_snapshot_due(const ros::Time& stamp) {
   if (config_.snapshot_period_s <= 0.0 && !last_snapshot_.isZero()) return false;
   return is_due(stamp, config_.snapshot_period_s, &last_snapshot_);

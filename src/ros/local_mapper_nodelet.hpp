@@ -25,7 +25,8 @@ namespace voxnav_ros {
 namespace occupancy = voxnav::occupancy;
 namespace pipeline = voxnav::pipeline;
 
-/// Filtered clouds in, local map out. All callbacks run in the nodelet's single-threaded queue, so no mutex is needed.
+/// The nodelet that takes filtered clouds and publishes the local map. All callbacks run in the nodelet's
+/// single-threaded queue, so no mutex is needed.
 class LocalMapperNodelet : public NodeletBase {
  public:
   LocalMapperNodelet() : NodeletBase("LocalMapper") {}
@@ -66,11 +67,11 @@ class LocalMapperNodelet : public NodeletBase {
   bool on_close_submap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   LocalMapperConfig config_;
-  bool uses_odometry_ = false;  // as source of poses, instead of tf
+  bool uses_odometry_ = false;  // whether poses come from odometry messages instead of tf
   std::unique_ptr<TfLocator> tf_;
-  pipeline::PoseLocator poses_;  // of ~odometry_in
+  pipeline::PoseLocator poses_;  // poses of ~odometry_in
   std::unique_ptr<pipeline::Mapper> mapper_;
-  std::optional<std::string> mounted_frame_;  // of the sensor whose mounting the mapper knows
+  std::optional<std::string> mounted_frame_;  // frame of the sensor whose mount the mapper knows
   std::optional<std::uint32_t> estimator_iteration_;
   std::uint32_t sequence_ = 0;
   std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0, num_late_ = 0;

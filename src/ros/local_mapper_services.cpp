@@ -5,7 +5,7 @@
 namespace voxnav_ros {
 namespace {
 
-/// Refusals are answers with a reason, not failed calls.
+/// A refused request is answered with a reason; the call itself does not fail.
 template <class Response, class Action>
 bool answer(Response* response, const std::string& done, Action action) {
   try {

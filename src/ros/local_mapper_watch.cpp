@@ -4,13 +4,14 @@
 #include "local_mapper_nodelet.hpp"
 #include "voxnav_ros/conversions.hpp"
 
-// What goes wrong around the map, and what is said of it.
+// Faults around the local map, and how they are reported.
 
 namespace voxnav_ros {
 namespace {
 
 constexpr double kLogPeriod_s = 5.0;
-/// Longer than the period of diagnostics, so that the next good scan does not hide a warning.
+/// How long a warning stays, which is longer than the period of diagnostics, so that the next good scan does not hide
+/// it.
 constexpr double kWarningHold_s = 2.0;
 
 }  // namespace
@@ -38,7 +39,7 @@ void LocalMapperNodelet::report(const occupancy::InsertStatistics& s) {
   }
 }
 
-/// Hands everything over before it is forgotten.
+/// Hands over the content of the map before it is cleared.
 void LocalMapperNodelet::restart(const std::string& reason, const std::string& text) {
   hand_over(mapper_->clear(reason));
   report_clear(text);
@@ -56,7 +57,8 @@ void LocalMapperNodelet::drop(const ros::Time& stamp, const std::string& reason)
   publish_progress(stamp);
 }
 
-/// Who wants open sky to be free would otherwise look for the reason in vain.
+/// Warns if beams without return shall clear space but none arrive, since nothing else would show why the sky stays
+/// unknown.
 void LocalMapperNodelet::warn_of_missing_beams(const sensor_msgs::PointCloud2& msg) {
   const occupancy::LocalMapConfig& map = mapper_->map().config();
   const auto is_beam = [](const sensor_msgs::PointField& field) { return field.name == "beam_x"; };

@@ -10,7 +10,7 @@ namespace {
 using voxnav::geometry::Index3;
 using Marker = TiledMarkers::Marker;
 
-/// Number of points that make up one primitive, and therefore stay together.
+/// Returns the number of points of one primitive, which must stay together.
 std::size_t points_per_item(const Marker& marker) { return marker.type == Marker::TRIANGLE_LIST ? 3 : 1; }
 
 /// Keeps every n-th primitive, so that at most `limit` points stay.
@@ -44,7 +44,7 @@ std::uint64_t add_to_sum(const std::vector<T>& values, std::uint64_t sum) {
   return sum;
 }
 
-/// A checksum of what can be seen of a marker. It is never 0, which stands for nothing.
+/// Computes a checksum of the visible parts of a marker. It is never 0, which stands for no marker.
 std::uint64_t sum_of(const Marker& marker) {
   return add_to_sum(marker.colors, add_to_sum(marker.points, 0x9E3779B97F4A7C15ull)) | 1u;
 }

@@ -14,16 +14,16 @@
 
 namespace voxnav_ros {
 
-/// A column of 2 x 2 blocks over all heights: the piece in which markers are drawn, sent and replaced.
+/// A column of 2 x 2 blocks over all heights, the unit in which markers are drawn, sent and replaced.
 using Tile = std::pair<std::int32_t, std::int32_t>;
 Tile tile_of(const voxnav::geometry::Index3& block);
 
 /// The known blocks of each tile.
 class MapTiles {
  public:
-  /// Takes notice of blocks that changed, came or went.
+  /// Updates the tiles with blocks that changed, were added or were removed.
   void follow(const voxnav::submap::EvidenceMap& evidence, const std::vector<voxnav::geometry::Index3>& changed);
-  /// The known blocks of a tile, sorted; there are none where nothing is known.
+  /// Returns the known blocks of a tile, sorted; empty if there are none.
   const std::set<voxnav::geometry::Index3>& blocks_of(const Tile& tile) const;
   const std::map<Tile, std::set<voxnav::geometry::Index3>>& all() const { return tiles_; }
 
@@ -31,19 +31,19 @@ class MapTiles {
   std::map<Tile, std::set<voxnav::geometry::Index3>> tiles_;
 };
 
-/// A picture of the map in one marker per tile. Only tiles that look different from what was sent are sent again; after
-/// restart() all are. Not thread-safe.
+/// A picture of the map with one marker for each tile. Only tiles whose markers differ from those sent before are sent
+/// again; after restart() all are. Not thread-safe.
 class TiledMarkers {
  public:
   using Marker = visualization_msgs::Marker;
-  /// Fills points and colours of one tile. A tile that stays empty is deleted where it was shown.
+  /// Fills points and colours of one tile. If the tile stays empty, its marker is deleted.
   using Draw = std::function<void(const std::vector<voxnav::geometry::Index3>& blocks, Marker* marker)>;
 
-  /// @param blank  a marker that has what all markers have in common
+  /// @param blank  a marker with the fields that all markers share
   TiledMarkers(const Marker& blank, Draw draw) : blank_(blank), draw_(std::move(draw)) {}
 
   void mark(const Tile& tile) { due_.insert(tile); }
-  /// Begins anew for somebody who has seen nothing: all tiles are due, and the next marker deletes what was shown.
+  /// Restarts the picture for a new subscriber: all tiles are due, and the next marker deletes all earlier ones.
   void restart(const MapTiles& tiles);
   void forget();
   bool is_due() const { return !due_.empty(); }
@@ -55,7 +55,7 @@ class TiledMarkers {
  private:
   struct Shown {
     std::int32_t id = 0;
-    std::uint64_t sum = 0;  ///< checksum of what was sent; 0 where nothing is shown
+    std::uint64_t sum = 0;  ///< checksum of the marker that was sent; 0 = none is shown
   };
   Marker blank_;
   Draw draw_;

@@ -16,7 +16,7 @@ voxnav::geometry::Pose valid_pose(const geometry_msgs::Pose& msg, const char* na
   return *pose;
 }
 
-/// The pose history that Handover and Submap messages share.
+/// Converts the pose history of Handover and Submap messages.
 template <class Msg>
 std::vector<voxnav::geometry::StampedPose> pose_history_of(const Msg& msg) {
   if (msg.pose_stamps.size() != msg.T_S_B.size()) throw std::invalid_argument("pose_stamps and T_S_B differ in length");

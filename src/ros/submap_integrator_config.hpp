@@ -9,7 +9,7 @@
 
 namespace voxnav_ros {
 
-/// What submaps are made of: the cleaned local map, or the scans themselves (submap::ProjectiveIntegrator).
+/// The source of submaps: the content of the local map, or the scans themselves (submap::ProjectiveIntegrator).
 enum class SubmapFilling { kOccupancy, kProjective };
 constexpr auto words_of(SubmapFilling) { return std::array{"occupancy", "projective"}; }
 

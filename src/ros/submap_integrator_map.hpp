@@ -11,7 +11,7 @@ namespace voxnav_ros {
 
 namespace submap = voxnav::submap;
 
-/// The submaps and the obstacles that follow from them.
+/// The submaps, the merged map and its obstacles.
 class MergedMap {
  public:
   MergedMap(const submap::SubmapCollectionConfig& config, double safety_distance_m);
@@ -19,10 +19,10 @@ class MergedMap {
   submap::SubmapCollection& collection() { return *collection_; }
   const submap::SubmapCollection& collection() const { return *collection_; }
   const submap::ObstacleMap& obstacles() const { return obstacles_; }
-  /// Takes another set of submaps in place of the present one, of which nothing is left after the next update.
-  /// @throws std::invalid_argument when its voxels have another size
+  /// Replaces the submaps by others; after the next update nothing of the present ones is left.
+  /// @throws std::invalid_argument if the voxels of the new ones have another size
   void replace(submap::SubmapCollection collection);
-  /// Brings evidence and obstacles up to date. @return the blocks whose evidence changed
+  /// Brings the merged map and the obstacles up to date. @return blocks whose evidence changed
   std::vector<voxnav::geometry::Index3> update();
   voxnav::containers::GridUpdate take_changes() { return obstacles_.take_changes(); }
   std::size_t memory_bytes() const { return collection_->memory_bytes() + obstacles_.memory_bytes(); }

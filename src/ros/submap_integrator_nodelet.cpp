@@ -71,7 +71,7 @@ void SubmapIntegratorNodelet::advertise() {
   export_ = nh.advertiseService("export_in", &SubmapIntegratorNodelet::on_export, this);
 }
 
-/// Hands a task to the worker. Whatever the task throws, and that the queue is full, is said in diagnostics.
+/// Queues a task for the worker. An exception of the task, and a full queue, are reported in the diagnostics.
 void SubmapIntegratorNodelet::enqueue(const char* what, std::function<void()> task) {
   const std::string name = what;
   const bool is_taken = worker_->push([this, name, task = std::move(task)] {
@@ -132,8 +132,8 @@ void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   if (!config_.autosave_dir.empty() && saver_->size() == 0) saver_->push([this] { autosave(); });
 }
 
-/// Brings everything up to date after a change. Obstacles come first, because flights depend on them; pictures follow
-/// piece by piece.
+/// Updates everything after a change. Obstacles come first, because flights depend on them; pictures follow piece by
+/// piece.
 void SubmapIntegratorNodelet::refresh(const ros::Time& stamp) {
   last_stamp_ = std::max(last_stamp_, stamp);
   {
@@ -175,7 +175,7 @@ void SubmapIntegratorNodelet::on_snapshot_time(const ros::SteadyTimerEvent&) {
   enqueue("snapshot", [this] { publish_obstacles(map_->obstacles().snapshot()); });
 }
 
-/// Pictures are left out while there is work that somebody waits for.
+/// Sends pictures only while no other work waits.
 void SubmapIntegratorNodelet::on_picture_time(const ros::SteadyTimerEvent&) {
   if (worker_->size() > 0) return;
   enqueue("pictures", [this] {

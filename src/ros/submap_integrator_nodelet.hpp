@@ -85,9 +85,9 @@ class SubmapIntegratorNodelet : public NodeletBase {
   std::unique_ptr<MergedMap> map_;
   voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< identity at first: W begins as O
   std::uint32_t newest_id_ = 0;
-  std::uint32_t flight_ = 0;               ///< of submaps to come
-  std::uint32_t first_id_ = 0;             ///< above the ids of all submaps that were loaded
-  std::optional<std::uint32_t> id_shift_;  ///< added to the ids of submaps to come; the next one decides when absent
+  std::uint32_t flight_ = 0;               ///< flight number of the next submaps
+  std::uint32_t first_id_ = 0;             ///< lowest id above those of all loaded submaps
+  std::optional<std::uint32_t> id_shift_;  ///< added to the ids of new submaps; if absent, the next one determines it
   std::uint32_t sequence_ = 0;
   ros::Time last_stamp_;
 

@@ -81,7 +81,7 @@ bool SubmapIntegratorNodelet::on_save(mrs_msgs::String::Request& request, mrs_ms
   return answer(&response, [&] { return std::to_string(save(request.value)) + " submaps saved to " + request.value; });
 }
 
-/// Sees to it that the next submap belongs to a newer flight than all that were loaded, and has an id of its own.
+/// Ensures that the next submap belongs to a newer flight than all loaded ones and gets an unused id.
 void SubmapIntegratorNodelet::continue_from(const submap::SubmapCollection& loaded) {
   for (const submap::SubmapEntry* entry : loaded.entries()) {
     flight_ = std::max(flight_, entry->flight + 1);
@@ -100,7 +100,8 @@ std::string SubmapIntegratorNodelet::show_loaded(std::size_t num_loaded, const s
   return out;
 }
 
-/// Broken parts of the files are left out, and the answer says which. Limits and page_dir stay those of this node.
+/// Loads a map. Broken parts of the files are left out, and the answer tells which. Limits and page_dir stay those of
+/// this node.
 bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, [&] {
     std::vector<std::string> problems;
@@ -112,7 +113,7 @@ bool SubmapIntegratorNodelet::on_load(mrs_msgs::String::Request& request, mrs_ms
   });
 }
 
-/// Adds another flight as if it had been flown after all flights that are here.
+/// Adds another flight as the newest one.
 bool SubmapIntegratorNodelet::on_merge(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, [&] {
     const auto [directory, T_W_other] = directory_and_pose(request.value);

@@ -56,7 +56,7 @@ void SubmapPictures::mark(const MergedMap& map, const Blocks& changed) {
   for (Whole* whole : {&obstacle_cloud_, &slice_, &changes_, &change_boxes_}) whole->is_due = true;
 }
 
-/// Whether there is something to send. All of it is due when somebody new listens.
+/// Returns true if there is something to send. With a new subscriber all of it is due.
 bool SubmapPictures::prepare(Tiled* tiled) {
   if (!tiled->topic.is_heard()) {
     tiled->markers->forget();

@@ -15,7 +15,7 @@
 
 namespace voxnav_ros {
 
-/// A publisher that knows when somebody new listens.
+/// A publisher that tells when there is a new subscriber.
 class PictureTopic {
  public:
   template <class Msg>
@@ -24,7 +24,7 @@ class PictureTopic {
     publisher_ = nh->advertise<Msg>(name, kQueue, [this](const ros::SingleSubscriberPublisher&) { has_new_ = true; });
   }
   bool is_heard() const { return publisher_.getNumSubscribers() > 0; }
-  /// Whether somebody began to listen since the last call.
+  /// Returns true if there are new subscribers since the last call.
   bool take_new() { return has_new_.exchange(false); }
   template <class Msg>
   void publish(const Msg& message) const {
@@ -36,21 +36,21 @@ class PictureTopic {
   ros::Publisher publisher_;
 };
 
-/// What people see of the map. Nothing is drawn unless somebody listens, and whoever comes late gets all of it. Markers
-/// are sent only where they changed and a bounded piece per turn, so that neither obstacles nor a slow link wait for
-/// them.
+/// The pictures of the map for people. Nothing is drawn without subscribers, and a late subscriber gets the whole
+/// picture. Markers are sent only where they changed, and in bounded pieces, so that neither obstacles nor a slow link
+/// wait for them.
 class SubmapPictures {
  public:
   explicit SubmapPictures(const SubmapIntegratorConfig& config);
   void advertise(ros::NodeHandle* nh);
 
-  /// Takes notice that the map has changed in these blocks.
+  /// Marks blocks of the map as changed.
   void mark(const MergedMap& map, const std::vector<voxnav::geometry::Index3>& changed);
-  /// Sends the next piece of everything that is due. @return whether anything was due
+  /// Sends the next piece of each picture that is due. @return true if any was due
   bool turn(const MergedMap& map, const std_msgs::Header& header);
 
  private:
-  /// Markers that are sent tile by tile, and their topic.
+  /// A picture that is sent tile by tile, with its topic.
   struct Tiled {
     PictureTopic topic;
     std::unique_ptr<TiledMarkers> markers;

@@ -54,7 +54,7 @@ void add_row(const Vec3& p, double intensity, std::vector<float>* rows) {
   rows->push_back(static_cast<float>(intensity));
 }
 
-/// Says of each of `total` items whether to keep it: every n-th, so that at most `limit` are kept.
+/// Tells for each of `total` items whether to keep it: every n-th one, so that at most `limit` are kept.
 class Thinner {
  public:
   Thinner(std::size_t total, std::size_t limit) : stride_(limit > 0 ? (total + limit - 1) / limit : 0) {}

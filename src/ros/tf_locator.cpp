@@ -32,7 +32,7 @@ void TfLocator::start(ros::NodeHandle& nh, std::function<void()> on_change) {
 }
 
 void TfLocator::take(const tf2_msgs::TFMessage& msg, bool is_static) {
-  // As tf2's own listener does it: what is known of a future that will not come must not answer for it.
+  // The buffer is cleared, as tf2's own listener does: transforms of a future that was reset must not answer queries.
   const ros::Time now = ros::Time::now();
   if (now < newest_) buffer_.clear();
   newest_ = now;

@@ -13,8 +13,8 @@
 
 namespace voxnav_ros {
 
-/// Locates sweeps by tf. Transforms are taken on the queue of the node handle, so that whoever waits for poses is told
-/// when there are new ones, and needs neither a thread nor a poll.
+/// Locates sweeps by tf. Transforms are received on the queue of the node handle, so that a mapper that waits for poses
+/// is called when there are new ones, and needs neither a thread nor polling.
 class TfLocator final : public voxnav::pipeline::SweepLocator {
  public:
   TfLocator(std::string odometry_frame, std::string body_frame);
@@ -22,7 +22,7 @@ class TfLocator final : public voxnav::pipeline::SweepLocator {
   /// @param on_change  called after each message with transforms
   void start(ros::NodeHandle& nh, std::function<void()> on_change);
   voxnav::pipeline::SweepLocation locate(const voxnav::cloud::Sweep& sweep, std::uint32_t duration_ns) const override;
-  /// The newest T_B_L of a sensor; nothing while it is unknown.
+  /// Returns the newest T_B_L of a sensor; nothing while it is unknown.
   std::optional<voxnav::geometry::Pose> mount(const std::string& sensor_frame) const;
 
  private:
