@@ -23,7 +23,7 @@ endfunction()
 # voxnav_unit_test(name source...): one gtest executable. Seeds are fixed; sources share test/support.
 function(voxnav_unit_test name)
   add_executable(${name} ${ARGN})
-  target_link_libraries(${name} PRIVATE voxnav_core GTest::GTest GTest::Main)
+  target_link_libraries(${name} PRIVATE voxnav_core_internals GTest::GTest GTest::Main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test/support)
   voxnav_target_options(${name})
   voxnav_share_precompiled(${name} voxnav_test_headers)

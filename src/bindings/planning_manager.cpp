@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "bind_config.hpp"
-#include "pipeline/plan_job.hpp"
-#include "pipeline/safe_part.hpp"
 #include "point_lists.hpp"
 #include "views.hpp"
 #include "voxnav/pipeline/flight_search_config.hpp"
+#include "voxnav/pipeline/plan_job.hpp"
 #include "voxnav/pipeline/planning_node_config.hpp"
+#include "voxnav/pipeline/safe_part.hpp"
 
 namespace voxnav::bindings {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/plan_job.hpp"
+#include "voxnav/pipeline/plan_job.hpp"
 
 #include <algorithm>
 #include <cstdio>

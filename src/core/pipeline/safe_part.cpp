@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/safe_part.hpp"
+#include "voxnav/pipeline/safe_part.hpp"
 
 #include <cstdio>
 

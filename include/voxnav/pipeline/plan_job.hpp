@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/planning_manager_config.hpp"
+#include "voxnav/pipeline/planning_manager_config.hpp"
 #include "voxnav/planning/a_star.hpp"
 #include "voxnav/planning/flight_time.hpp"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/planning_manager_config.hpp"
+#include "voxnav/pipeline/planning_manager_config.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 #include "voxnav/planning/trajectory.hpp"
 
