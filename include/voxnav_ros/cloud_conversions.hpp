@@ -5,8 +5,8 @@
 
 #include <vector>
 
+#include "voxnav/cloud/cloud_filter.hpp"
 #include "voxnav/cloud/cloud_layout.hpp"
-#include "voxnav/cloud/point.hpp"
 #include "voxnav/cloud/sweep.hpp"
 #include "voxnav/geometry/points_view.hpp"
 

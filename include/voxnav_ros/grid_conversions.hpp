@@ -5,7 +5,7 @@
 
 #include "voxnav/GridUpdate.h"
 #include "voxnav/base/time.hpp"
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav_ros {
 

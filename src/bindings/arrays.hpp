@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pybind.hpp"
-#include "voxnav/geometry/bend.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 /// Strict numpy arguments: a wrong dtype, shape or layout raises a ValueError that names the argument, what it is and
 /// what it must be. Nothing is converted or copied silently.

@@ -2,7 +2,6 @@
 #include "arrays.hpp"
 #include "floors.hpp"
 #include "grid_update_args.hpp"
-#include "voxnav/containers/grid_update.hpp"
 #include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav::bindings {

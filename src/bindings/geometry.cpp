@@ -9,7 +9,7 @@
 #include "arrays.hpp"
 #include "floors.hpp"
 #include "voxnav/geometry/distance_field.hpp"
-#include "voxnav/geometry/rigid_pose.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::bindings {
 namespace {

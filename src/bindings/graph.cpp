@@ -3,9 +3,9 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "configs/optimizer_config.hpp"
 #include "floors.hpp"
 #include "voxnav/geometry/distance_field.hpp"
-#include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
 #include "voxnav/graph/trajectory.hpp"
 
@@ -211,10 +211,9 @@ py::array_t<double> submap_bends(const py::array& spans_s, const py::array& T_O_
 
 void bind_graph(py::module_& m) {
   bind_words<ConstraintKind>(m, "ConstraintKind", "The kind of measurement behind a constraint.");
-  bind_words<graph::GnssType>(m, "GnssType", "Message type of the positions that satellites give.");
+  bind_words<GnssType>(m, "GnssType", "Message type of the positions that satellites give.");
   bind_config<graph::SubmapGraphConfig>(m, "SubmapGraphConfig", "Parameters of SubmapGraph.");
-  bind_config<graph::OptimizerConfig>(m, "OptimizerConfig",
-                                      "Parameters of the submap optimiser beside those of SubmapGraph.");
+  bind_config<OptimizerConfig>(m, "OptimizerConfig", "Parameters of the submap optimiser beside those of SubmapGraph.");
   bind_report(m);
   bind_submap_graph(m);
   m.def("correct_trajectory", &correct_trajectory, py::arg("stamps_s"), py::arg("T_O_B"), py::arg("spans_s"),

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "arrays.hpp"
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav::bindings {
 

@@ -4,12 +4,11 @@
 #include <memory>
 
 #include "bind_config.hpp"
+#include "configs/flight_search_config.hpp"
+#include "configs/planning_node_config.hpp"
 #include "point_lists.hpp"
 #include "views.hpp"
-#include "voxnav/pipeline/flight_search_config.hpp"
-#include "voxnav/pipeline/plan_job.hpp"
-#include "voxnav/pipeline/planning_node_config.hpp"
-#include "voxnav/pipeline/safe_part.hpp"
+#include "voxnav/pipeline/planning_manager.hpp"
 
 namespace voxnav::bindings {
 namespace {

@@ -15,7 +15,6 @@
 #include "submap_collection.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
-#include "voxnav/submap/registration_field.hpp"
 
 namespace voxnav::bindings {
 namespace {

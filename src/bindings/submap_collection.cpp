@@ -9,8 +9,8 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
-#include "voxnav/submap/map_export.hpp"
 #include "voxnav/submap/obstacle_map.hpp"
+#include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav::bindings {
 namespace {

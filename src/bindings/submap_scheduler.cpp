@@ -4,8 +4,8 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "submap_scheduler.hpp"
-#include "voxnav/geometry/rigid_pose.hpp"
-#include "voxnav/pipeline/deskew.hpp"
+#include "voxnav/geometry/pose.hpp"
+#include "voxnav/pipeline/sweep_locator.hpp"
 
 namespace voxnav::bindings {
 namespace {

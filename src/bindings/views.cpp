@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "views.hpp"
 
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 #include "voxnav/occupancy/local_map.hpp"
-#include "voxnav/planning/state_grid_view.hpp"
+#include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::bindings {
 namespace py = pybind11;

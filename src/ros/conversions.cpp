@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav_ros/conversions.hpp"
 
-#include "voxnav/geometry/rigid_pose.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 namespace voxnav_ros {
 

@@ -14,7 +14,6 @@
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
-#include "voxnav/pipeline/load_control.hpp"
 #include "voxnav/pipeline/mapper_config.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 #include "voxnav/pipeline/time_config.hpp"

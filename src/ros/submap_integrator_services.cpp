@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "submap_integrator_nodelet.hpp"
-#include "voxnav/submap/map_export.hpp"
+#include "voxnav/submap/submap_collection.hpp"
 #include "voxnav_ros/submap_conversions.hpp"
 
 namespace voxnav_ros {

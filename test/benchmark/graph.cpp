@@ -10,10 +10,10 @@
 #include <random>
 #include <string>
 
+#include "configs/optimizer_config.hpp"
 #include "forest_flight.hpp"
-#include "voxnav/graph/optimizer_config.hpp"
 #include "voxnav/graph/submap_graph.hpp"
-#include "voxnav/submap/registration_field.hpp"
+#include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
 using geometry::Pose;
@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
   std::vector<int> sizes{32, 111};
   double drift_m = 1.8;
   const auto set_cache = [](int mb) { submap::Submap::set_distance_cache_bytes(static_cast<std::size_t>(mb) << 20); };
-  set_cache(graph::OptimizerConfig{}.distance_cache_mb);
+  set_cache(bindings::OptimizerConfig{}.distance_cache_mb);
   for (int i = 1; i < argc; ++i) {
     if (std::strncmp(argv[i], "--drift_m=", 10) == 0) drift_m = std::stod(argv[i] + 10);
     if (std::strncmp(argv[i], "--cache_mb=", 11) == 0) set_cache(std::stoi(argv[i] + 11));

@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include "planning/flight_time.hpp"
 #include "voxnav/containers/state_grid.hpp"
-#include "voxnav/planning/flight_time.hpp"
-#include "voxnav/planning/state_grid_view.hpp"
+#include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::test {
 

@@ -3,15 +3,25 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
 #include "voxnav/cloud/cloud_layout.hpp"
-#include "voxnav/cloud/point.hpp"
 
 namespace voxnav::cloud {
+
+/// One filtered return, in the byte layout of `cloud_filter/points`: it is copied to messages as it stands.
+struct Point {
+  float x = 0.0F;                    ///< m, sensor frame
+  float y = 0.0F;                    ///< m
+  float z = 0.0F;                    ///< m
+  float intensity = 0.0F;            ///< as the sensor gives it; 0 when it gives none
+  std::uint32_t time_offset_ns = 0;  ///< after the start of the sweep
+};
+static_assert(sizeof(Point) == 20 && std::is_trivially_copyable_v<Point>);
 
 /// What became of the points of one cloud. Reasons are tried in this order and each point counts once.
 struct FilterCounts {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "voxnav/geometry/bend.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::graph {
 

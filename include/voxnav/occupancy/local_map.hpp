@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 #include "voxnav/geometry/aabb.hpp"
 #include "voxnav/geometry/points_view.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"

@@ -5,10 +5,26 @@
 
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
-#include "voxnav/pipeline/load_control.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 
 namespace voxnav::pipeline {
+
+/// How scans are thinned out when there is too little time for all of their points.
+struct LoadControlConfig {
+  double max_busy_share = 0.8;
+  int max_decimation = 2;
+  int calm_scans = 20;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = LoadControlConfig;
+    v("max_busy_share", &C::max_busy_share, base::in(0.05, 10.0), "",
+      "work per scan over the time between scans beyond which scans are thinned out");
+    v("max_decimation", &C::max_decimation, base::in(1, 64), "", "thinnest: every n-th point; 1 = never thin out");
+    v("calm_scans", &C::calm_scans, base::in(1, 1000), "",
+      "scans with time to spare after which fewer points are left out");
+  }
+};
 
 /// Parameters of Mapper; the parts of the pipeline have configurations of their own.
 struct MapperConfig {

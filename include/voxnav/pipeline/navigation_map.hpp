@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "voxnav/base/config.hpp"
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::pipeline {

@@ -4,9 +4,22 @@
 #include <optional>
 #include <vector>
 
-#include "voxnav/planning/flight_time.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 namespace voxnav::planning {
+
+/// The speed and acceleration limits of the vehicle, as in mrs_msgs/DynamicsConstraints.
+struct DynamicsLimits {
+  double horizontal_speed_mps = 0.0;
+  double horizontal_acceleration_mps2 = 0.0;
+  double ascending_speed_mps = 0.0;
+  double ascending_acceleration_mps2 = 0.0;
+  double descending_speed_mps = 0.0;
+  double descending_acceleration_mps2 = 0.0;
+
+  /// Returns true if all limits are positive and finite.
+  bool is_valid() const;
+};
 
 /// A trajectory: positions at equal time steps, at the last of which the vehicle is at rest.
 class Trajectory {

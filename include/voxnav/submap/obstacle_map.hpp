@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 #include "voxnav/submap/evidence_map.hpp"
 
 namespace voxnav::submap {

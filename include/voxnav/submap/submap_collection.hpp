@@ -6,43 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "voxnav/geometry/bend.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/submap/evidence_map.hpp"
-#include "voxnav/submap/scene_changes.hpp"
 #include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {
-
-struct SubmapCollectionConfig {
-  double resolution_m = 0.4;
-  double clearing_distance_m = 0.4;
-  double thin_range_m = 6.0;
-  double pose_tolerance_m = 0.02;
-  int max_submaps = 5000;
-  double max_memory_mb = 2000.0;
-  double max_resident_mb = 100.0;
-  std::string page_dir = "";
-
-  template <class V>
-  static void fields(V&& v) {
-    v("resolution_m", &SubmapCollectionConfig::resolution_m, base::in(0.05, 5.0), "m", "voxel edge of the merged map");
-    v("clearing_distance_m", &SubmapCollectionConfig::clearing_distance_m, base::in(0.0, 5.0), "m",
-      "newer free space removes an older surface unless the newer submap has one of its own nearer than this");
-    v("thin_range_m", &SubmapCollectionConfig::thin_range_m, base::in(0.0, 100.0), "m",
-      "wires and poles are removed only by free space seen from this near, or from as near as they were seen");
-    v("pose_tolerance_m", &SubmapCollectionConfig::pose_tolerance_m, base::in(0.0, 1.0), "m",
-      "a submap is merged again if a corner of its box moved farther than this");
-    v("max_submaps", &SubmapCollectionConfig::max_submaps, base::in(1, 1000000), "",
-      "submaps beyond which the oldest one is dropped");
-    v("max_memory_mb", &SubmapCollectionConfig::max_memory_mb, base::in(1.0, 1e6), "MB",
-      "memory of all submaps beyond which the oldest one is dropped");
-    v("max_resident_mb", &SubmapCollectionConfig::max_resident_mb, base::in(1.0, 1e6), "MB",
-      "memory beyond which the least recently used submaps are moved to page_dir");
-    v("page_dir", &SubmapCollectionConfig::page_dir, base::any(), "",
-      "folder of the submaps that are not in memory; empty = all stay in memory");
-  }
-};
 
 /// A submap with its time span, its poses and its pose history.
 struct SubmapEntry {
@@ -145,5 +113,19 @@ class SubmapCollection {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// Writes the known voxels of the merged map as a pruned OctoMap: `.ot` (log-odds) or `.bt` (occupied and free) by the
+/// ending of the path. Source of the format: Hornung et al., OctoMap, Autonomous Robots 2013, section 4.
+/// @throws std::invalid_argument for another ending, std::runtime_error if the file cannot be written
+void save_octomap(const EvidenceMap& evidence, const std::string& path);
+
+/// Writes the surface points of each submap in its own frame as `submap_<id>.ply`, and their poses in `poses.txt`: one
+/// line `id end_stamp_s x y z qx qy qz qw` (T_W_S) for each submap, oldest first. The directory must exist.
+/// @throws std::runtime_error naming the file that cannot be written
+void save_clouds(const SubmapCollection& collection, const std::string& directory);
+
+/// Exports the map for other programs to a directory, which is created if needed: `mesh.ply`, `occupied.ply` (believed
+/// surface points), `map.ot`, and the files of save_clouds(). @throws std::runtime_error naming the file
+void export_all(SubmapCollection* collection, const std::string& directory);
 
 }  // namespace voxnav::submap

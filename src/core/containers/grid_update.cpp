@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/containers/grid_update.hpp"
-
 #include <cstring>
 #include <stdexcept>
+
+#include "voxnav/containers/state_grid.hpp"
 
 namespace voxnav::containers {
 namespace {

@@ -36,4 +36,22 @@ bool is_valid(const Pose& pose) {
   return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 && R.determinant() > 0.0;
 }
 
+std::optional<Pose> make_pose(const Vec3& position, const Eigen::Quaterniond& q) {
+  if (!position.allFinite() || !q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 0.05) return std::nullopt;
+  Pose pose = Pose::Identity();
+  pose.linear() = q.normalized().toRotationMatrix();
+  pose.translation() = position;
+  return pose;
+}
+
+Pose as_sent(const Pose& pose) {
+  return make_pose(pose.translation(), Eigen::Quaterniond(pose.linear())).value_or(pose);
+}
+
+Pose Bend::at(double phase) const {
+  const double from_middle = 2.0 * phase - 1.0;
+  return from_middle < 0.0 ? interpolate(Pose::Identity(), T_S_begin, -from_middle)
+                           : interpolate(Pose::Identity(), T_S_end, from_middle);
+}
+
 }  // namespace voxnav::geometry

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/deskew.hpp"
-
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+
+#include "voxnav/pipeline/sweep_locator.hpp"
 
 namespace voxnav::pipeline {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/load_control.hpp"
+#include "pipeline/load_control.hpp"
 
 #include <algorithm>
 #include <cmath>

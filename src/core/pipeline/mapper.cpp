@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "base/clock_watch.hpp"
-#include "voxnav/geometry/rigid_pose.hpp"
+#include "pipeline/load_control.hpp"
+#include "voxnav/geometry/pose.hpp"
 #include "voxnav/odometry/imu_gate.hpp"
 
 namespace voxnav::pipeline {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/plan_job.hpp"
-
 #include <algorithm>
 #include <cstdio>
 
+#include "planning/flight_time.hpp"
+#include "voxnav/pipeline/planning_manager.hpp"
 #include "voxnav/planning/corridor.hpp"
 
 namespace voxnav::pipeline {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/planning_manager_config.hpp"
+#include "voxnav/pipeline/planning_manager.hpp"
 
 namespace voxnav::pipeline {
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/pipeline/safe_part.hpp"
-
 #include <cstdio>
 
+#include "voxnav/pipeline/planning_manager.hpp"
 #include "voxnav/planning/corridor.hpp"
 
 namespace voxnav::pipeline {

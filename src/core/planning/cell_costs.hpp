@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "voxnav/planning/a_star_config.hpp"
+#include "voxnav/planning/a_star.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::planning {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/flight_time.hpp"
+#include "planning/flight_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,12 +33,6 @@ double piece_time(double length, double entry_sq, double exit_sq, const AxisLimi
 }
 
 }  // namespace
-
-bool DynamicsLimits::is_valid() const {
-  const double values[] = {horizontal_speed_mps,        horizontal_acceleration_mps2, ascending_speed_mps,
-                           ascending_acceleration_mps2, descending_speed_mps,         descending_acceleration_mps2};
-  return std::all_of(std::begin(values), std::end(values), [](double v) { return v > 0.0 && std::isfinite(v); });
-}
 
 AxisLimits limits_along(const Vec3& direction, const DynamicsLimits& limits) {
   const double norm = std::max(kTiny, direction.norm());

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "planning/search_space.hpp"
+#include "voxnav/planning/a_star.hpp"
 #include "voxnav/planning/plan_result.hpp"
-#include "voxnav/planning/stop_flag.hpp"
 
 namespace voxnav::planning {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/planning/state_grid_view.hpp"
-
 #include "base/check.hpp"
+#include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::planning {
 

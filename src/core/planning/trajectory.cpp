@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "planning/flight_time.hpp"
+
 namespace voxnav::planning {
 namespace {
 
@@ -19,6 +21,12 @@ constexpr double kMinPiece_m = 1e-6;
 constexpr double kMinSpeed_mps = 0.1;
 
 }  // namespace
+
+bool DynamicsLimits::is_valid() const {
+  const double values[] = {horizontal_speed_mps,        horizontal_acceleration_mps2, ascending_speed_mps,
+                           ascending_acceleration_mps2, descending_speed_mps,         descending_acceleration_mps2};
+  return std::all_of(std::begin(values), std::end(values), [](double v) { return v > 0.0 && std::isfinite(v); });
+}
 
 Trajectory::Trajectory(std::vector<Vec3> points, double dt_s) : points_(std::move(points)), dt_s_(dt_s) {
   if (points_.empty()) throw std::invalid_argument("a trajectory needs at least one point");

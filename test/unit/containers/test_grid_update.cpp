@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "voxnav/containers/grid_update.hpp"
+#include "voxnav/containers/state_grid.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::GridUpdate;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/geometry/bend.hpp"
+#include "voxnav/geometry/pose.hpp"
 
 using namespace voxnav::geometry;  // NOLINT: test
 

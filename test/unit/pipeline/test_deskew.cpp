@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "voxnav/pipeline/deskew.hpp"
+#include "voxnav/pipeline/sweep_locator.hpp"
 
 using namespace voxnav;  // NOLINT: test
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "voxnav/pipeline/load_control.hpp"
+#include "pipeline/load_control.hpp"
 
 using voxnav::pipeline::LoadControl;
 using voxnav::pipeline::LoadControlConfig;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/planning/flight_time.hpp"
+#include "planning/flight_time.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Vec3;

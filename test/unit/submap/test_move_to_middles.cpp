@@ -5,7 +5,7 @@
 
 #include "content_builder.hpp"
 #include "submap/registration/observed_surface.hpp"
-#include "voxnav/submap/registration_field.hpp"
+#include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;

@@ -4,7 +4,7 @@
 #include "base/bytes.hpp"
 #include "content_builder.hpp"
 #include "submap/registration/observed_surface.hpp"
-#include "voxnav/submap/registration_field.hpp"
+#include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Pose;

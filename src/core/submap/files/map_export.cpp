@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/map_export.hpp"
-
 #include <octomap/octomap.h>
 
 #include <cstdio>
@@ -9,6 +7,7 @@
 
 #include "submap/files/map_files.hpp"
 #include "voxnav/submap/mesh.hpp"
+#include "voxnav/submap/submap_collection.hpp"
 
 namespace voxnav::submap {
 namespace {

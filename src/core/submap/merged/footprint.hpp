@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxnav/geometry/bend.hpp"
+#include "voxnav/geometry/pose.hpp"
 #include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/submap/scene_changes.hpp"
-
 #include <algorithm>
 #include <map>
+
+#include "voxnav/submap/evidence_map.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "submap/registration/move_to_middles.hpp"
-#include "voxnav/submap/registration_field.hpp"
+#include "voxnav/submap/submap.hpp"
 
 namespace voxnav::submap {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "voxnav/base/config.hpp"
 
-namespace voxnav::pipeline {
+namespace voxnav::bindings {
 
 /// Parameters of the planning_manager node around the planning manager: frames, rates, services and heartbeats.
 struct PlanningNodeConfig {
@@ -42,4 +42,4 @@ struct PlanningNodeConfig {
   }
 };
 
-}  // namespace voxnav::pipeline
+}  // namespace voxnav::bindings

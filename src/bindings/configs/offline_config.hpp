@@ -6,7 +6,7 @@
 
 #include "voxnav/base/config.hpp"
 
-namespace voxnav::pipeline {
+namespace voxnav::bindings {
 
 /// Where the poses of a recording's scans come from.
 enum class PoseSource { kAuto, kRecording, kLidar };
@@ -40,4 +40,4 @@ struct OfflineConfig {
   }
 };
 
-}  // namespace voxnav::pipeline
+}  // namespace voxnav::bindings

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "voxnav/base/config.hpp"
+#include "voxnav/planning/a_star.hpp"
+#include "voxnav/planning/occupancy_view.hpp"
+#include "voxnav/planning/trajectory.hpp"
 
 namespace voxnav::pipeline {
 
@@ -67,5 +74,49 @@ struct PlanningManagerConfig {
   }
   std::vector<std::string> problems() const;
 };
+
+/// A search and what may be flown of its path.
+struct PlanOutcome {
+  planning::PlanResult plan;
+  std::vector<geometry::Vec3> waypoints_O;  ///< from the start to a stop in known free space; empty when there is none
+  bool is_to_goal = false;  ///< the last waypoint is the goal, or so near to a blocked one that it counts as reached
+  double corridor_radius_m = 0.0;  ///< known free around the waypoints
+  double left_m = 0.0;             ///< way from the last waypoint to the goal, as planned
+  std::string problem;             ///< why there are no waypoints, for a person
+};
+
+/// What is to be planned.
+struct PlanTask {
+  geometry::Vec3 start_O;
+  geometry::Vec3 goal_O;
+  planning::DynamicsLimits limits;           ///< must be valid
+  const planning::StopFlag* stop = nullptr;  ///< ends the search; null: the planner's own timeout does
+};
+
+/// Searches a way, then cuts it: to known free space with room to stop, and to the longest flight time.
+/// Takes as long as the search; safe to run in any thread.
+PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config,
+                         const planning::OccupancyView& view, const PlanTask& task);
+
+/// A trajectory from where the vehicle is, and what has to be known to stop on it.
+struct FlownTrajectory {
+  const planning::Trajectory& trajectory;
+  double from_arc_m;  ///< where the vehicle is
+  double radius_m;    ///< that must be known free around it
+  geometry::Vec3 velocity_O;
+  planning::DynamicsLimits limits;  ///< must be valid
+};
+
+/// What of a trajectory may be flown.
+struct SafePart {
+  /// The whole trajectory if its corridor is known free; else as much as can be flown and stopped in, from where the
+  /// vehicle is; nothing when there is no room to stop.
+  std::optional<planning::Trajectory> trajectory;
+  std::string problem;  ///< where the corridor is not known free, for a person; empty when it is
+};
+
+/// Checks the corridor of a trajectory and cuts it. @param view in the frame of the trajectory
+SafePart safe_part(const PlanningManagerConfig& config, const planning::OccupancyView& view,
+                   const FlownTrajectory& flown);
 
 }  // namespace voxnav::pipeline

@@ -4,25 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "voxnav/base/config.hpp"
+#include "voxnav/pipeline/mapper_config.hpp"
 
 namespace voxnav::pipeline {
-
-struct LoadControlConfig {
-  double max_busy_share = 0.8;
-  int max_decimation = 2;
-  int calm_scans = 20;
-
-  template <class V>
-  static void fields(V&& v) {
-    using C = LoadControlConfig;
-    v("max_busy_share", &C::max_busy_share, base::in(0.05, 10.0), "",
-      "work per scan over the time between scans beyond which scans are thinned out");
-    v("max_decimation", &C::max_decimation, base::in(1, 64), "", "thinnest: every n-th point; 1 = never thin out");
-    v("calm_scans", &C::calm_scans, base::in(1, 1000), "",
-      "scans with time to spare after which fewer points are left out");
-  }
-};
 
 /// Chooses which points of a scan are used if there is too little time for all: every second, fourth or eighth one.
 /// Only if that is not enough, the queue of scans drops some. The decision follows from durations that the caller

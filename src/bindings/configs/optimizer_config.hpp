@@ -7,7 +7,7 @@
 
 #include "voxnav/base/config.hpp"
 
-namespace voxnav::graph {
+namespace voxnav::bindings {
 
 /// Message type of the positions that satellites give: none are used, nav_msgs/Odometry or sensor_msgs/NavSatFix.
 enum class GnssType { kNone, kOdometry, kNavSatFix };
@@ -74,4 +74,4 @@ struct OptimizerConfig {
   }
 };
 
-}  // namespace voxnav::graph
+}  // namespace voxnav::bindings

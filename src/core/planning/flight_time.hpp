@@ -3,22 +3,9 @@
 
 #include <vector>
 
-#include "voxnav/geometry/pose.hpp"
+#include "voxnav/planning/trajectory.hpp"
 
 namespace voxnav::planning {
-
-/// The speed and acceleration limits of the vehicle, as in mrs_msgs/DynamicsConstraints.
-struct DynamicsLimits {
-  double horizontal_speed_mps = 0.0;
-  double horizontal_acceleration_mps2 = 0.0;
-  double ascending_speed_mps = 0.0;
-  double ascending_acceleration_mps2 = 0.0;
-  double descending_speed_mps = 0.0;
-  double descending_acceleration_mps2 = 0.0;
-
-  /// Returns true if all limits are positive and finite.
-  bool is_valid() const;
-};
 
 /// Maximum speed and acceleration along a direction: neither the horizontal nor the vertical component exceeds its
 /// limit.

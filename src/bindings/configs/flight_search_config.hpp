@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "voxnav/planning/a_star_config.hpp"
+#include "voxnav/planning/a_star.hpp"
 
-namespace voxnav::pipeline {
+namespace voxnav::bindings {
 
 /// The parameters of the search in the planning manager: the fields of AStarConfig with defaults for flight into
 /// unknown space. Plans may lead through far unknown space, because only the known free part of a plan is ever flown.
@@ -25,4 +25,4 @@ struct FlightSearchConfig : planning::AStarConfig {
   }
 };
 
-}  // namespace voxnav::pipeline
+}  // namespace voxnav::bindings
