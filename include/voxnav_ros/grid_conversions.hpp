@@ -6,6 +6,7 @@
 #include "voxnav/GridUpdate.h"
 #include "voxnav/base/time.hpp"
 #include "voxnav/containers/state_grid.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
@@ -17,9 +18,9 @@ struct GridUpdateHeader {
   double resolution_m = 0.0;
 };
 
-voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
+msg::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
 
 /// Returns the update of a message without checking it: containers::apply() checks lengths and states.
-voxnav::containers::GridUpdate from_msg(const voxnav::GridUpdate& msg);
+voxnav::containers::GridUpdate from_msg(const msg::GridUpdate& msg);
 
 }  // namespace voxnav_ros

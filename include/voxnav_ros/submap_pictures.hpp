@@ -10,6 +10,7 @@
 #include "voxnav/SceneChanges.h"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/submap_collection.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
@@ -46,11 +47,11 @@ sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& gri
                                         const std_msgs::Header& header);
 
 /// Makes the message of at most `max_changes` changes, the largest first; it tells how many were left out.
-voxnav::SceneChanges to_msg(std::vector<voxnav::submap::SceneChange> changes, std::size_t max_changes,
-                            const std_msgs::Header& header);
+msg::SceneChanges to_msg(std::vector<voxnav::submap::SceneChange> changes, std::size_t max_changes,
+                         const std_msgs::Header& header);
 
 /// Makes a green box around everything that appeared and a red one around everything that disappeared. The first marker
 /// deletes those of the message before.
-visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes);
+visualization_msgs::MarkerArray boxes_of(const msg::SceneChanges& changes);
 
 }  // namespace voxnav_ros

@@ -7,8 +7,8 @@
 namespace voxnav::bindings {
 namespace {
 
-using containers::State;
 using containers::StateGrid;
+using containers::VoxelState;
 
 StateGrid grid_from_array(const py::array& states, const py::object& origin, double resolution_m) {
   if (states.ndim() != 3) throw py::value_error("states must be a (nx, ny, nz) array of int8");
@@ -26,7 +26,7 @@ StateGrid grid_from_array(const py::array& states, const py::object& origin, dou
         const std::int8_t value = data[(static_cast<std::size_t>(x) * ny + y) * nz + z];
         if (value < 0 || value > 2)
           throw py::value_error("states holds a value other than 0 unknown, 1 free, 2 occupied");
-        if (value != 0) grid.set(first + geometry::Index3{x, y, z}, static_cast<State>(value));
+        if (value != 0) grid.set(first + geometry::Index3{x, y, z}, static_cast<VoxelState>(value));
       }
     }
   }
@@ -66,7 +66,7 @@ py::array_t<float> centers(const StateGrid& grid, int state) {
   for (const geometry::Index3& index : grid.sorted_block_indices()) {
     const containers::StateBlock* block = grid.find_block(index);
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      if (block->get(offset) != static_cast<State>(state)) continue;
+      if (block->get(offset) != static_cast<VoxelState>(state)) continue;
       const geometry::Vec3 p = geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m());
       for (int axis = 0; axis < 3; ++axis) out.push_back(static_cast<float>(p[axis]));
     }

@@ -6,8 +6,8 @@
 #include "configs/optimizer_config.hpp"
 #include "floors.hpp"
 #include "voxnav/geometry/distance_field.hpp"
+#include "voxnav/graph/correct_trajectory.hpp"
 #include "voxnav/graph/submap_graph.hpp"
-#include "voxnav/graph/trajectory.hpp"
 
 namespace voxnav::bindings {
 namespace {

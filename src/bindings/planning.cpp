@@ -21,7 +21,7 @@ py::array_t<std::int8_t> states_at(const OccupancyView& view, const py::array& p
   for (py::ssize_t i = 0; i < n; ++i) {
     const geometry::Vec3 p(data[3 * i], data[3 * i + 1], data[3 * i + 2]);
     const bool is_near = ((p.array().abs() / view.resolution_m()) < 1073741824.0).all();
-    const State state = is_near ? view.state(geometry::index_of(p, view.resolution_m())) : State::kUnknown;
+    const VoxelState state = is_near ? view.state(geometry::index_of(p, view.resolution_m())) : VoxelState::kUnknown;
     out.mutable_data()[i] = static_cast<std::int8_t>(state);
   }
   return out;

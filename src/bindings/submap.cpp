@@ -114,7 +114,7 @@ MapContent content_from_array(const py::array& states, const py::object& origin,
     occupancy::ContentBlock& block = blocks[geometry::block_of(voxel)];
     block.index = geometry::block_of(voxel);
     const auto offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
-    block.states.set(offset, static_cast<containers::State>(data[i]));
+    block.states.set(offset, static_cast<containers::VoxelState>(data[i]));
     if (data[i] == 1) block.observed_free[offset >> 6] |= std::uint64_t{1} << (offset & 63);
     if (data[i] != 2) continue;
     const auto mean = rows.next(voxel);

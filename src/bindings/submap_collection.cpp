@@ -67,7 +67,7 @@ py::array_t<double> distance(SubmapCollection& collection, const py::array& poin
     collection.update();
     for (std::size_t i = 0; i < out.size(); ++i) {
       const geometry::Vec3 point(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-      if (collection.evidence().state(point) == containers::State::kUnknown) continue;
+      if (collection.evidence().state(point) == containers::VoxelState::kUnknown) continue;
       out[i] = collection.evidence().distance_to_surface(point, max_distance_m).value_or(max_distance_m);
     }
   }
@@ -118,7 +118,7 @@ py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_
     for (const geometry::Index3& index : grid.sorted_block_indices()) {
       const containers::StateBlock* block = grid.find_block(index);
       for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-        if (block->get(offset) != containers::State::kOccupied) continue;
+        if (block->get(offset) != containers::VoxelState::kOccupied) continue;
         out.push_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());
       }
     }

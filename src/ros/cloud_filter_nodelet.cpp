@@ -6,6 +6,7 @@
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 
 namespace voxnav_ros {
@@ -109,7 +110,7 @@ class CloudFilterNodelet : public NodeletBase {
     } else if (result_.is_ghost_filter_suspended) {
       warn("no return on " + topic_ + " has any intensity: the ghost filter is suspended");
     } else {
-      diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+      diagnostics().set_level(msg::NodeDiagnostics::OK, "");
     }
   }
 
@@ -118,12 +119,12 @@ class CloudFilterNodelet : public NodeletBase {
     diagnostics().add_dropped("filter");
     diagnostics().set_counter("clouds_refused", static_cast<double>(num_refused_));
     const std::string text = "cloud on " + topic_ + " refused: " + reason;
-    diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, text);
+    diagnostics().set_level(msg::NodeDiagnostics::ERROR, text);
     NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
   }
 
   void warn(const std::string& text) {
-    diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
+    diagnostics().set_level(msg::NodeDiagnostics::WARN, text);
     NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
   }
 

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav_ros/diagnostics.hpp"
 
+#include "voxnav_ros/messages.hpp"
+
 namespace voxnav_ros {
 namespace {
 
 using voxnav::base::StageStatistics;
 
-voxnav::StageStatistics to_msg(const std::string& name, const StageStatistics& stage) {
-  voxnav::StageStatistics out;
+msg::StageSummary to_msg(const std::string& name, const StageStatistics& stage) {
+  msg::StageSummary out;
   out.name = name;
   out.count = stage.wall.count();
   out.dropped = stage.dropped;
@@ -34,7 +36,7 @@ Diagnostics::Scope::~Scope() {
 }
 
 Diagnostics::Diagnostics(const std::string& node, ros::NodeHandle& private_nh) : node_(node) {
-  publisher_ = private_nh.advertise<voxnav::NodeDiagnostics>("diagnostics_out", 2, true);
+  publisher_ = private_nh.advertise<msg::NodeDiagnostics>("diagnostics_out", 2, true);
   timer_ = private_nh.createSteadyTimer(ros::WallDuration(1.0), &Diagnostics::publish, this, false, false);
 }
 
@@ -63,11 +65,11 @@ void Diagnostics::set_counter(const std::string& name, double value) {
 void Diagnostics::set_level(std::uint8_t level, const std::string& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
   level_ = level;
-  message_ = level == voxnav::NodeDiagnostics::OK ? std::string() : message;
+  message_ = level == msg::NodeDiagnostics::OK ? std::string() : message;
 }
 
 void Diagnostics::publish(const ros::SteadyTimerEvent&) {
-  voxnav::NodeDiagnostics out;
+  msg::NodeDiagnostics out;
   const voxnav::base::ProcessUsage usage = voxnav::base::process_usage();
   out.rss_bytes = usage.rss_bytes;
   out.cpu_s = usage.cpu_s;

@@ -4,11 +4,12 @@
 #include <utility>
 
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
-voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header) {
-  voxnav::GridUpdate msg;
+msg::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header) {
+  msg::GridUpdate msg;
   msg.header.frame_id = header.frame_id;
   msg.header.stamp = to_ros(header.stamp_ns);
   msg.sequence = header.sequence;
@@ -20,7 +21,7 @@ voxnav::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdat
   return msg;
 }
 
-voxnav::containers::GridUpdate from_msg(const voxnav::GridUpdate& msg) {
+voxnav::containers::GridUpdate from_msg(const msg::GridUpdate& msg) {
   voxnav::containers::GridUpdate update;
   update.is_snapshot = msg.is_snapshot;
   update.block_indices = msg.block_indices;

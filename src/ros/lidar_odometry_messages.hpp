@@ -6,6 +6,7 @@
 #include "voxnav/OdometryQuality.h"
 #include "voxnav/odometry/lidar_odometry.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
@@ -17,10 +18,10 @@ inline geometry_msgs::Vector3 to_vector_msg(const voxnav::geometry::Vec3& v) {
   return out;
 }
 
-inline voxnav::OdometryQuality quality_msg(const voxnav::odometry::OdometryResult& result,
-                                           const std_msgs::Header& header) {
+inline msg::OdometryQuality quality_msg(const voxnav::odometry::OdometryResult& result,
+                                        const std_msgs::Header& header) {
   const voxnav::odometry::Quality& q = result.quality;
-  voxnav::OdometryQuality out;
+  msg::OdometryQuality out;
   out.header = header;
   out.state = static_cast<std::uint8_t>(q.state);
   out.reason = q.reason;

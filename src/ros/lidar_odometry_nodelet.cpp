@@ -6,6 +6,7 @@
 #include "lidar_odometry_messages.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -30,7 +31,7 @@ void LidarOdometryNodelet::initialize() {
   tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
   tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   odom_ = nh.advertise<nav_msgs::Odometry>("odom_out", 10);
-  quality_ = nh.advertise<voxnav::OdometryQuality>("quality_out", 10);
+  quality_ = nh.advertise<msg::OdometryQuality>("quality_out", 10);
   reset_ = nh.advertiseService("reset", &LidarOdometryNodelet::on_reset, this);
   reset_odom_ = nh.advertiseService("reset_odom", &LidarOdometryNodelet::on_reset_odom, this);
   points_topic_ = nh.resolveName("points_in");
@@ -171,7 +172,7 @@ void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
   if (!result.is_new || result.quality.state == odometry::OdometryState::kCoasting) {
     complain(result.quality.reason);
   } else {
-    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    diagnostics().set_level(msg::NodeDiagnostics::OK, "");
   }
 }
 
@@ -182,7 +183,7 @@ void LidarOdometryNodelet::drop(const ros::Time& stamp, const std::string& reaso
 }
 
 void LidarOdometryNodelet::complain(const std::string& text) {
-  diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
+  diagnostics().set_level(msg::NodeDiagnostics::WARN, text);
   NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
 }
 

@@ -7,6 +7,7 @@
 
 #include "voxnav/MoveVehicle.h"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_simulation/cloud_encoder.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
@@ -116,14 +117,14 @@ class LidarSimulatorNodelet : public NodeletBase {
     const auto& counts = scheduler_->counts();
     diagnostics().set_counter("truth_gaps", static_cast<double>(counts.truth_gaps));
     diagnostics().set_counter("time_jumps_back", static_cast<double>(counts.time_jumps));
-    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    diagnostics().set_level(msg::NodeDiagnostics::OK, "");
     publish_progress(header.stamp);
   }
 
   void refuse_truth() {
     diagnostics().set_counter("truth_refused", static_cast<double>(++num_refused_));
     const std::string text = "a true pose was refused: not finite, or its quaternion is no rotation";
-    diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, text);
+    diagnostics().set_level(msg::NodeDiagnostics::ERROR, text);
     NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
   }
 

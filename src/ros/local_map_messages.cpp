@@ -3,11 +3,12 @@
 
 #include "voxnav/occupancy/octomap_export.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
-voxnav::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::string& odometry_frame) {
-  voxnav::Handover msg;
+msg::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::string& odometry_frame) {
+  msg::Handover msg;
   msg.header.frame_id = odometry_frame;
   msg.header.stamp = to_ros(handover.stamp_ns);
   msg.submap_id = handover.submap_id;

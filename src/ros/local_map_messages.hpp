@@ -8,10 +8,11 @@
 #include "voxnav/Handover.h"
 #include "voxnav/occupancy/local_map.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 
-voxnav::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::string& odometry_frame);
+msg::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::string& odometry_frame);
 
 octomap_msgs::Octomap octomap_of(const voxnav::occupancy::LocalMap& map, bool is_binary,
                                  const std_msgs::Header& header);

@@ -5,6 +5,7 @@
 
 #include "local_map_messages.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -44,8 +45,8 @@ void LocalMapperNodelet::initialize() {
 
 void LocalMapperNodelet::advertise() {
   ros::NodeHandle& nh = getPrivateNodeHandle();
-  updates_ = nh.advertise<voxnav::GridUpdate>("map_out", 20);
-  handovers_ = nh.advertise<voxnav::Handover>("handover_out", 20);
+  updates_ = nh.advertise<msg::GridUpdate>("map_out", 20);
+  handovers_ = nh.advertise<msg::Handover>("handover_out", 20);
   occupied_ = nh.advertise<sensor_msgs::PointCloud2>("occupied_out", 1, true);
   octomap_ = nh.advertise<octomap_msgs::Octomap>("octomap_out", 1, true);
   services_ = {nh.advertiseService("get_map_in", &LocalMapperNodelet::on_get_map, this),
@@ -171,7 +172,7 @@ void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
 
 void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handovers) {
   for (const pipeline::Handover& handover : handovers) {
-    const voxnav::Handover msg = to_msg(handover, config_.odometry_frame);
+    const msg::Handover msg = to_msg(handover, config_.odometry_frame);
     announce_work(msg.header.stamp);
     handovers_.publish(msg);
     NODELET_INFO_STREAM("[" << node() << "]: submap " << handover.submap_id
@@ -180,8 +181,8 @@ void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handov
   }
 }
 
-void LocalMapperNodelet::on_quality(const voxnav::OdometryQualityConstPtr& msg) {
-  if (msg->state == voxnav::OdometryQuality::COASTING) mapper_->request_close("odometry");
+void LocalMapperNodelet::on_quality(const msg::OdometryQualityConstPtr& msg) {
+  if (msg->state == msg::OdometryQuality::COASTING) mapper_->request_close("odometry");
 }
 
 void LocalMapperNodelet::on_uav_state(const mrs_msgs::UavStateConstPtr& msg) {

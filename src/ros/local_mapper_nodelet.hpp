@@ -18,6 +18,7 @@
 #include "voxnav/pipeline/mapper.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 
 namespace voxnav_ros {
@@ -39,7 +40,7 @@ class LocalMapperNodelet : public NodeletBase {
 
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_odometry(const nav_msgs::OdometryConstPtr& msg);
-  void on_quality(const voxnav::OdometryQualityConstPtr& msg);
+  void on_quality(const msg::OdometryQualityConstPtr& msg);
   void on_uav_state(const mrs_msgs::UavStateConstPtr& msg);
   void find_mount(const std::string& sensor_frame);
   void process();

@@ -3,6 +3,7 @@
 
 #include "local_mapper_nodelet.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 // Faults around the local map, and how they are reported.
 
@@ -35,7 +36,7 @@ void LocalMapperNodelet::report(const occupancy::InsertStatistics& s) {
   diagnostics().set_counter("blocks_evicted_dropped", static_cast<double>(mapper_->map().num_evicted_dropped()));
   diagnostics().set_counter("map_mb", static_cast<double>(mapper_->map().memory_bytes()) * 1e-6);
   if (ros::SteadyTime::now() > warned_ + ros::WallDuration(kWarningHold_s)) {
-    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    diagnostics().set_level(msg::NodeDiagnostics::OK, "");
   }
 }
 
@@ -68,7 +69,7 @@ void LocalMapperNodelet::warn_of_missing_beams(const sensor_msgs::PointCloud2& m
 
 void LocalMapperNodelet::warn(const std::string& text) {
   warned_ = ros::SteadyTime::now();
-  diagnostics().set_level(voxnav::NodeDiagnostics::WARN, text);
+  diagnostics().set_level(msg::NodeDiagnostics::WARN, text);
   NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << text);
 }
 

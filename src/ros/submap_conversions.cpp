@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -35,7 +36,7 @@ std::vector<voxnav::geometry::Pose> valid_poses(const std::vector<geometry_msgs:
   return out;
 }
 
-std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg) {
+std::vector<voxnav::geometry::Bend> bends_of(const msg::SubmapPoses& msg) {
   std::vector<voxnav::geometry::Bend> out(msg.submap_ids.size());
   if (msg.T_S_begin.empty() && msg.T_S_end.empty()) return out;
   const auto begins = valid_poses(msg.T_S_begin, "T_S_begin");
@@ -46,7 +47,7 @@ std::vector<voxnav::geometry::Bend> bends_of(const voxnav::SubmapPoses& msg) {
   return out;
 }
 
-voxnav::pipeline::Handover from_msg(const voxnav::Handover& msg) {
+voxnav::pipeline::Handover from_msg(const msg::Handover& msg) {
   voxnav::pipeline::Handover out;
   out.submap_id = msg.submap_id;
   out.is_final = msg.is_final;
@@ -59,8 +60,8 @@ voxnav::pipeline::Handover from_msg(const voxnav::Handover& msg) {
   return out;
 }
 
-voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_frame) {
-  voxnav::Submap msg;
+msg::FinishedSubmap to_msg(const SubmapEntry& entry, const std::string& odometry_frame) {
+  msg::FinishedSubmap msg;
   msg.header.frame_id = odometry_frame;
   msg.header.stamp = to_ros(entry.end_ns);
   msg.submap_id = entry.id;
@@ -75,7 +76,7 @@ voxnav::Submap to_msg(const SubmapEntry& entry, const std::string& odometry_fram
   return msg;
 }
 
-SubmapEntry from_msg(const voxnav::Submap& msg) {
+SubmapEntry from_msg(const msg::FinishedSubmap& msg) {
   SubmapEntry entry;
   entry.id = msg.submap_id;
   entry.start_ns = to_ns(msg.start);

@@ -5,6 +5,7 @@
 
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/submap_conversions.hpp"
 
 namespace voxnav_ros {
@@ -61,8 +62,8 @@ void SubmapIntegratorNodelet::start() {
 
 void SubmapIntegratorNodelet::advertise() {
   ros::NodeHandle& nh = getMTPrivateNodeHandle();
-  submap_ = nh.advertise<voxnav::Submap>("submap_out", 20);
-  obstacles_ = nh.advertise<voxnav::GridUpdate>("obstacles_out", 20);
+  submap_ = nh.advertise<msg::FinishedSubmap>("submap_out", 20);
+  obstacles_ = nh.advertise<msg::GridUpdate>("obstacles_out", 20);
   get_obstacles_ = nh.advertiseService("get_obstacles_in", &SubmapIntegratorNodelet::on_get_obstacles, this);
   get_submaps_ = nh.advertiseService("get_submaps_in", &SubmapIntegratorNodelet::on_get_submaps, this);
   save_ = nh.advertiseService("save_in", &SubmapIntegratorNodelet::on_save, this);
@@ -88,11 +89,11 @@ void SubmapIntegratorNodelet::enqueue(const char* what, std::function<void()> ta
 
 void SubmapIntegratorNodelet::refuse(const std::string& what, const std::string& reason) {
   diagnostics().add_dropped(what);
-  diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, what + " refused: " + reason);
+  diagnostics().set_level(msg::NodeDiagnostics::ERROR, what + " refused: " + reason);
   NODELET_ERROR_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << what << " refused: " << reason);
 }
 
-void SubmapIntegratorNodelet::on_handover(const voxnav::HandoverConstPtr& msg) {
+void SubmapIntegratorNodelet::on_handover(const msg::HandoverConstPtr& msg) {
   enqueue("handover", [this, msg] {
     if (!msg->header.frame_id.empty()) odometry_frame_ = msg->header.frame_id;
     take_handover(from_msg(*msg));
@@ -122,7 +123,7 @@ void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   // After a map was loaded, ids that begin again at a low number are shifted behind the ids of that map.
   if (!id_shift_) id_shift_ = entry.id >= first_id_ ? 0 : first_id_ - entry.id;
   entry.id += *id_shift_;
-  const voxnav::Submap msg = to_msg(entry, odometry_frame_);
+  const msg::FinishedSubmap msg = to_msg(entry, odometry_frame_);
   announce_work(msg.header.stamp);
   submap_.publish(msg);
   newest_id_ = entry.id;
@@ -147,10 +148,10 @@ void SubmapIntegratorNodelet::refresh(const ros::Time& stamp) {
   diagnostics().set_counter("memory_mb", static_cast<double>(map_->memory_bytes()) * 1e-6);
   diagnostics().set_counter("obstacle_blocks", static_cast<double>(map_->obstacles().grid().blocks().size()));
   if (collection.num_dropped() > 0) {
-    diagnostics().set_level(voxnav::NodeDiagnostics::WARN,
+    diagnostics().set_level(msg::NodeDiagnostics::WARN,
                             "the map is full: the oldest submaps are dropped (collection/max_*)");
   } else {
-    diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+    diagnostics().set_level(msg::NodeDiagnostics::OK, "");
   }
 }
 
@@ -161,8 +162,8 @@ std_msgs::Header SubmapIntegratorNodelet::header() const {
   return out;
 }
 
-voxnav::GridUpdate SubmapIntegratorNodelet::obstacle_msg(voxnav::containers::GridUpdate update,
-                                                         std::uint32_t sequence) const {
+msg::GridUpdate SubmapIntegratorNodelet::obstacle_msg(voxnav::containers::GridUpdate update,
+                                                      std::uint32_t sequence) const {
   return to_msg(std::move(update), {map_frame_, to_ns(last_stamp_), sequence, collection_config_.resolution_m});
 }
 
@@ -186,14 +187,14 @@ void SubmapIntegratorNodelet::on_picture_time(const ros::SteadyTimerEvent&) {
   });
 }
 
-void SubmapIntegratorNodelet::on_poses(const voxnav::SubmapPosesConstPtr& msg) {
+void SubmapIntegratorNodelet::on_poses(const msg::SubmapPosesConstPtr& msg) {
   enqueue("submap poses", [this, msg] {
     take_poses(*msg);
     publish_progress(msg->header.stamp);
   });
 }
 
-void SubmapIntegratorNodelet::take_poses(const voxnav::SubmapPoses& msg) {
+void SubmapIntegratorNodelet::take_poses(const msg::SubmapPoses& msg) {
   if (msg.submap_ids.size() != msg.T_W_S.size()) throw std::invalid_argument("submap_ids and T_W_S differ in length");
   const auto T_W_O = from_msg(msg.T_W_O);
   if (!T_W_O) throw std::invalid_argument("T_W_O is not a valid pose");

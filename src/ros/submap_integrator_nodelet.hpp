@@ -15,13 +15,14 @@
 #include "submap_integrator_config.hpp"
 #include "submap_integrator_map.hpp"
 #include "submap_picture_topics.hpp"
+#include "voxnav/FinishedSubmap.h"
 #include "voxnav/GetGrid.h"
 #include "voxnav/GetSubmaps.h"
 #include "voxnav/Handover.h"
-#include "voxnav/Submap.h"
 #include "voxnav/SubmapPoses.h"
 #include "voxnav/pipeline/submap_assembler.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_ros/worker.hpp"
 
@@ -42,8 +43,8 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void enqueue(const char* what, std::function<void()> task);
   void refuse(const std::string& what, const std::string& reason);
 
-  void on_handover(const voxnav::HandoverConstPtr& msg);
-  void on_poses(const voxnav::SubmapPosesConstPtr& msg);
+  void on_handover(const msg::HandoverConstPtr& msg);
+  void on_poses(const msg::SubmapPosesConstPtr& msg);
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_snapshot_time(const ros::SteadyTimerEvent&);
   void on_picture_time(const ros::SteadyTimerEvent&);
@@ -61,7 +62,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
 
   // These run on the worker, which holds the mutex.
   void take_handover(const voxnav::pipeline::Handover& handover);
-  void take_poses(const voxnav::SubmapPoses& msg);
+  void take_poses(const msg::SubmapPoses& msg);
   void integrate(const sensor_msgs::PointCloud2& msg);
   void close_submap_of_clouds();
   void add(submap::SubmapEntry entry);
@@ -69,7 +70,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void continue_from(const submap::SubmapCollection& loaded);
   std::string show_loaded(std::size_t num_loaded, const std::vector<std::string>& problems);
   void publish_obstacles(voxnav::containers::GridUpdate update);
-  voxnav::GridUpdate obstacle_msg(voxnav::containers::GridUpdate update, std::uint32_t sequence) const;
+  msg::GridUpdate obstacle_msg(voxnav::containers::GridUpdate update, std::uint32_t sequence) const;
   std_msgs::Header header() const;
 
   SubmapIntegratorConfig config_;

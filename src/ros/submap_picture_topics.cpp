@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "submap_picture_topics.hpp"
 
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/submap_pictures.hpp"
 
 namespace voxnav_ros {
@@ -43,7 +44,7 @@ void SubmapPictures::advertise(ros::NodeHandle* nh) {
   mesh_.topic.advertise<Marker>(nh, "mesh_out");
   obstacle_cloud_.topic.advertise<sensor_msgs::PointCloud2>(nh, "obstacle_cloud_out");
   slice_.topic.advertise<sensor_msgs::PointCloud2>(nh, "slice_out");
-  changes_.topic.advertise<voxnav::SceneChanges>(nh, "changes_out");
+  changes_.topic.advertise<msg::SceneChanges>(nh, "changes_out");
   change_boxes_.topic.advertise<MarkerArray>(nh, "change_markers_out");
 }
 
@@ -96,7 +97,7 @@ bool SubmapPictures::send_changes(const MergedMap& map, const std_msgs::Header& 
   const bool are_boxes_due = change_boxes_.take_due();
   if (!is_list_due && !are_boxes_due) return false;
   const auto max_changes = static_cast<std::size_t>(config_.max_changes);
-  const voxnav::SceneChanges changes =
+  const msg::SceneChanges changes =
       to_msg(submap::scene_changes(map.collection().evidence(), kMinVoxelsOfChange), max_changes, header);
   if (is_list_due) changes_.topic.publish(changes);
   if (are_boxes_due) change_boxes_.topic.publish(boxes_of(changes));

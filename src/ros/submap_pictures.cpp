@@ -7,13 +7,13 @@
 
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
 
 using voxnav::geometry::Index3;
 using voxnav::geometry::Vec3;
-using Point = geometry_msgs::Point;
 namespace submap = voxnav::submap;
 
 std_msgs::ColorRGBA to_msg(const submap::Color& color) {
@@ -65,10 +65,10 @@ class Thinner {
   std::size_t count_ = 0;
 };
 
-Point point_of(const Vec3& p) { return voxnav_ros::to_msg(p); }
+geometry_msgs::Point point_of(const Vec3& p) { return voxnav_ros::to_msg(p); }
 
-visualization_msgs::Marker box_of(const voxnav::SceneChange& change, const std_msgs::Header& header, std::int32_t id) {
-  const bool has_appeared = change.kind == voxnav::SceneChange::APPEARED;
+visualization_msgs::Marker box_of(const msg::SceneChange& change, const std_msgs::Header& header, std::int32_t id) {
+  const bool has_appeared = change.kind == msg::SceneChange::APPEARED;
   visualization_msgs::Marker marker = blank_marker("changes", visualization_msgs::Marker::CUBE, 1.0);
   marker.header = header;
   marker.id = id;
@@ -138,7 +138,7 @@ sensor_msgs::PointCloud2 distance_slice(const submap::EvidenceMap& evidence, con
     for (double y = bounds.min.y(); y <= bounds.max.y(); y += step) {
       for (double x = bounds.min.x(); x <= bounds.max.x(); x += step) {
         const Vec3 p(x, y, height_m);
-        if (evidence.state(p) == voxnav::containers::State::kUnknown) continue;
+        if (evidence.state(p) == voxnav::containers::VoxelState::kUnknown) continue;
         add_row(p, evidence.distance_to_surface(p, max_distance_m).value_or(max_distance_m), &rows);
       }
     }
@@ -172,17 +172,17 @@ sensor_msgs::PointCloud2 occupied_cloud(const voxnav::containers::StateGrid& gri
   return cloud_of(rows, header);
 }
 
-voxnav::SceneChanges to_msg(std::vector<submap::SceneChange> changes, std::size_t max_changes,
-                            const std_msgs::Header& header) {
+msg::SceneChanges to_msg(std::vector<submap::SceneChange> changes, std::size_t max_changes,
+                         const std_msgs::Header& header) {
   std::stable_sort(changes.begin(), changes.end(),
                    [](const auto& a, const auto& b) { return a.num_voxels > b.num_voxels; });
-  voxnav::SceneChanges out;
+  msg::SceneChanges out;
   out.header = header;
   for (const submap::SceneChange& change : changes) {
     if (out.changes.size() >= max_changes) break;
-    voxnav::SceneChange item;
-    item.kind = change.kind == submap::SceneChange::Kind::kAppeared ? voxnav::SceneChange::APPEARED
-                                                                    : voxnav::SceneChange::DISAPPEARED;
+    msg::SceneChange item;
+    item.kind = change.kind == submap::SceneChange::Kind::kAppeared ? msg::SceneChange::APPEARED
+                                                                    : msg::SceneChange::DISAPPEARED;
     item.submap_id = change.submap_id;
     item.num_voxels = static_cast<std::uint32_t>(change.num_voxels);
     item.center = point_of(change.center_W);
@@ -194,12 +194,12 @@ voxnav::SceneChanges to_msg(std::vector<submap::SceneChange> changes, std::size_
   return out;
 }
 
-visualization_msgs::MarkerArray boxes_of(const voxnav::SceneChanges& changes) {
+visualization_msgs::MarkerArray boxes_of(const msg::SceneChanges& changes) {
   visualization_msgs::MarkerArray out;
   out.markers.push_back(blank_marker("changes", visualization_msgs::Marker::CUBE, 1.0));
   out.markers[0].header = changes.header;
   out.markers[0].action = visualization_msgs::Marker::DELETEALL;
-  for (const voxnav::SceneChange& change : changes.changes) {
+  for (const msg::SceneChange& change : changes.changes) {
     out.markers.push_back(box_of(change, changes.header, static_cast<std::int32_t>(out.markers.size())));
   }
   return out;

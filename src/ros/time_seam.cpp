@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "voxnav/Progress.h"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -26,7 +27,7 @@ void InputClock::reach(const ros::Time& stamp) {
 }
 
 TimeSeam::TimeSeam(const voxnav::pipeline::TimeConfig& config, std::string node, ros::NodeHandle& private_nh)
-    : node_(std::move(node)), progress_(private_nh.advertise<voxnav::Progress>("progress_out", 50)) {
+    : node_(std::move(node)), progress_(private_nh.advertise<msg::Progress>("progress_out", 50)) {
   if (config.waits_for_simulation) {
     clock_ = std::make_unique<InputClock>();
     awaited_ = config.consumers;
@@ -36,7 +37,7 @@ TimeSeam::TimeSeam(const voxnav::pipeline::TimeConfig& config, std::string node,
 }
 
 void TimeSeam::report_done(const ros::Time& stamp) {
-  voxnav::Progress progress;
+  msg::Progress progress;
   progress.node = node_;
   progress.stamp = stamp;
   progress_.publish(progress);
@@ -44,7 +45,7 @@ void TimeSeam::report_done(const ros::Time& stamp) {
 
 void TimeSeam::announce(const ros::Time& stamp) {
   for (const std::string& name : awaited_) {
-    voxnav::Progress progress;
+    msg::Progress progress;
     progress.node = name;
     progress.stamp = stamp;
     progress.is_begun = true;

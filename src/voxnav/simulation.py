@@ -38,7 +38,7 @@ __all__ = [
     "ImuConfig",
     "Lidar",
     "LidarConfig",
-    "Scan",
+    "SimulatedScan",
     "Stems",
     "TrajectoryGeneratorConfig",
     "Uav",
@@ -166,7 +166,7 @@ class World:
         return T_W_V
 
 
-class Scan:
+class SimulatedScan:
     """One turn of the LiDAR; each point is in the sensor frame at its own time.
 
     organised (h, w, 4) float32 x y z intensity, zeros where there is no return; ranges_m (h, w);
@@ -200,7 +200,8 @@ class Lidar:
         """The duration of one turn in seconds."""
         return self._model.sweep_s
 
-    def scan(self, world: World, T_W_L_start: Array, T_W_L_end: Array | None = None, scan_index: int = 0) -> Scan:
+    def scan(self, world: World, T_W_L_start: Array, T_W_L_end: Array | None = None,
+             scan_index: int = 0) -> SimulatedScan:
         """Simulates one turn while the sensor moves evenly from the first to the second pose, (4, 4) float64."""
         end = T_W_L_start if T_W_L_end is None else T_W_L_end
-        return Scan(self._model.scan(world.scene, T_W_L_start, end, scan_index))
+        return SimulatedScan(self._model.scan(world.scene, T_W_L_start, end, scan_index))

@@ -12,7 +12,7 @@
 #include "planning/segment_box.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3;
 
@@ -24,12 +24,12 @@ std::shared_ptr<containers::StateGrid> random_grid(std::mt19937* rng, int percen
   const auto grid = test::box_grid({0, 0, 0}, {kSide - 1, kSide - 1, kSide - 1});
   for (int i = 0; i < kSide * kSide * kSide * percent / 100; ++i) {
     const auto coordinate = [&] { return static_cast<int>((*rng)() % kSide); };
-    grid->set({coordinate(), coordinate(), coordinate()}, State::kOccupied);
+    grid->set({coordinate(), coordinate(), coordinate()}, VoxelState::kOccupied);
   }
   return grid;
 }
 
-bool is_free(const containers::StateGrid& grid, const Index3& voxel) { return grid.state(voxel) == State::kFree; }
+bool is_free(const containers::StateGrid& grid, const Index3& voxel) { return grid.state(voxel) == VoxelState::kFree; }
 
 bool is_clear(const containers::StateGrid& grid, const Index3& from, const Index3& step) {
   for (int corner = 1; corner < 8; ++corner) {
@@ -149,9 +149,9 @@ TEST(AStarProperty, AWeightedSearchExpandsNoCellTwice) {
       const Index3 goal{kSide - 3, kSide - 3, kSide - 3};
       for (int move = 0; move < 27; ++move) {
         const Index3 step{move % 3 - 1, move / 3 % 3 - 1, move / 9 - 1};
-        grid->set(goal + step, move == 13 ? State::kFree : State::kOccupied);
+        grid->set(goal + step, move == 13 ? VoxelState::kFree : VoxelState::kOccupied);
       }
-      grid->set({0, 0, 0}, State::kFree);
+      grid->set({0, 0, 0}, VoxelState::kFree);
       planning::AStarConfig config;
       config.safety_distance_m = 0.0;
       config.timeout_s = 30.0;
@@ -174,7 +174,7 @@ TEST(AStarProperty, EveryEdgeKeepsTheSafetyDistanceFromEveryOccupiedVoxel) {
     std::vector<geometry::Aabb> boxes;
     for (int i = 0; i < 40; ++i) {
       const Index3 voxel{static_cast<int>(rng() % 64), static_cast<int>(rng() % 64), static_cast<int>(rng() % 32)};
-      grid->set(voxel, State::kOccupied);
+      grid->set(voxel, VoxelState::kOccupied);
       const Vec3 corner = Vec3(voxel.x, voxel.y, voxel.z) * 0.4;
       boxes.push_back({corner, corner + Vec3::Constant(0.4)});
     }

@@ -9,7 +9,7 @@
 #include "scan_maker.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3;
 using occupancy::LocalMap;
@@ -34,9 +34,9 @@ LocalMap flown_map(unsigned seed) {
   return map;
 }
 
-int badness(State state) { return state == State::kOccupied ? 2 : state == State::kUnknown ? 1 : 0; }
+int badness(VoxelState state) { return state == VoxelState::kOccupied ? 2 : state == VoxelState::kUnknown ? 1 : 0; }
 
-State brute_state(const LocalMap& map, const Index3& voxel) {
+VoxelState brute_state(const LocalMap& map, const Index3& voxel) {
   return map.state(geometry::center_of(voxel, kResolution));
 }
 
@@ -105,7 +105,7 @@ TEST(LocalMapProperty, CorridorEqualsBruteForce) {
     const double radius = 0.1 + 0.02 * trial;
     int worst = 0;
     double first_bad = std::numeric_limits<double>::infinity();
-    const occupancy::Segment segment(a, b);
+    const occupancy::SegmentDistance segment(a, b);
     for_voxels(a.cwiseMin(b).array() - radius, a.cwiseMax(b).array() + radius, [&](const Index3& v) {
       const int here = badness(brute_state(map, v));
       if (here == 0) return;
@@ -155,7 +155,7 @@ TEST(LocalMapProperty, BoxNearestAndRayEqualBruteForce) {
     const auto ray = map.ray_cast(a, b, false);
     const double length = (b - a).norm();
     for (double s = 0.0; s < ray.range_m - 1e-6; s += 0.01)
-      ASSERT_EQ(map.state(a + (b - a) * (s / length)), State::kFree);
+      ASSERT_EQ(map.state(a + (b - a) * (s / length)), VoxelState::kFree);
     if (ray.range_m + 1e-6 >= length) continue;
     EXPECT_EQ(map.state(a + (b - a) * ((ray.range_m + 1e-6) / length)), ray.state);
   }

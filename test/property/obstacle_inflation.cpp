@@ -7,7 +7,7 @@
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Pose;
 using geometry::Vec3;
 using submap::ObstacleMap;
@@ -54,10 +54,10 @@ TEST(ObstacleInflation, EqualsBruteForce) {
       double nearest = 1e9;
       for (const auto& p : points) nearest = std::min(nearest, (p.cast<double>() - center).norm());
       if (std::abs(nearest - reach) < 1e-5) continue;  // points are handed out as floats
-      const State state = grid.state(voxel);
-      ASSERT_EQ(state == State::kOccupied, nearest < reach) << nearest;
-      ASSERT_EQ(state == State::kFree, nearest >= reach && collection.state(center) == State::kFree);
-      num_occupied += state == State::kOccupied;
+      const VoxelState state = grid.state(voxel);
+      ASSERT_EQ(state == VoxelState::kOccupied, nearest < reach) << nearest;
+      ASSERT_EQ(state == VoxelState::kFree, nearest >= reach && collection.state(center) == VoxelState::kFree);
+      num_occupied += state == VoxelState::kOccupied;
     }
     EXPECT_GT(num_occupied, 0);
   }

@@ -7,7 +7,7 @@
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 using submap::Submap;
 
@@ -57,7 +57,7 @@ TEST_P(SubmapDistances, OfFreeVoxelCentersEqualBruteForce) {
   const double quantum = 3.0 * kVoxel / 127.0;
   for (const auto& block : content.blocks) {
     for (int offset = 0; offset < geometry::kBlockVolume; offset += 7) {
-      if (block.states.get(offset) != State::kFree) continue;
+      if (block.states.get(offset) != VoxelState::kFree) continue;
       const Vec3 center = geometry::center_of(geometry::voxel_at(block.index, offset), kVoxel);
       double distance = 0.0;
       ASSERT_TRUE(field->sample(center, &distance, nullptr));

@@ -13,7 +13,7 @@ from voxnav.planning_manager import Because, Generate, Hover, Idle, Level, Movin
 from voxnav.planning_manager import flying, planning, stopping
 from voxnav.planning_manager.facts import Facts
 from voxnav.planning_manager.inputs import Control, Frames, Inputs, Prediction, Timed, Vehicle
-from voxnav.planning_manager.states import (Flight, Generating, Goal, Leads, OwnHover, Progress, Publishing,
+from voxnav.planning_manager.states import (Flight, Generating, Goal, Leads, OwnHover, Advance, Publishing,
                                             Searching)
 
 NOW, JOB = 100.0, 7
@@ -225,7 +225,7 @@ def test_a_job_that_does_not_answer_has_failed(job, words):
 
 
 def test_no_progress_gives_the_goal_up():
-    old = Progress(np.array([1.0, 0.0, 2.0]), NOW - CONFIG.stuck_time_s - 1.0)
+    old = Advance(np.array([1.0, 0.0, 2.0]), NOW - CONFIG.stuck_time_s - 1.0)
     after, actions = planning.tick(planning_state(progress=old), at_rest())
     assert isinstance(after, Idle) and after.because.reason is Reason.STUCK and kinds(actions) == [Hover]
     assert after.because.sentence == "stuck: for the test"
@@ -393,7 +393,7 @@ def test_an_unsafe_corridor_shortens_the_flight():
 
 @pytest.mark.parametrize("seen", [None, view((2.4, 0.0))])
 def test_without_room_to_stop_or_without_a_map_the_vehicle_brakes(seen):
-    progress = Progress(np.zeros(3), NOW - 1.0)
+    progress = Advance(np.zeros(3), NOW - 1.0)
     after, actions = flying.check(moving_state(progress=progress), seen, facts())
     assert isinstance(after, Planning) and after.flight is None and kinds(actions) == [Hover]
     assert after.because.reason is Reason.BRAKE and after.progress is progress

@@ -17,7 +17,7 @@ from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
 import voxnav
-from voxnav.msg import (GridUpdate, Handover, NodeDiagnostics, Progress, SceneChange, SceneChanges, Submap,
+from voxnav.msg import (FinishedSubmap, GridUpdate, Handover, NodeDiagnostics, Progress, SceneChange, SceneChanges,
                         SubmapPoses)
 from voxnav.srv import GetGrid, GetSubmaps
 
@@ -122,7 +122,7 @@ class SubmapIntegratorTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         node = "submap_integrator/"
-        cls.submaps = Received(node + "submap_out", Submap)
+        cls.submaps = Received(node + "submap_out", FinishedSubmap)
         cls.obstacles = Received(node + "obstacles_out", GridUpdate)
         cls.markers = Received(node + "occupancy_markers_out", MarkerArray)
         cls.cloud = Received(node + "obstacle_cloud_out", PointCloud2)

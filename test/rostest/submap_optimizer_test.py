@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
 from voxnav import pose_from_yaw
-from voxnav.msg import LoopClosure, NodeDiagnostics, OptimizerReport, Progress, Submap, SubmapPoses
+from voxnav.msg import FinishedSubmap, LoopClosure, NodeDiagnostics, OptimizerReport, Progress, SubmapPoses
 from voxnav.nodes.poses import pose_from_msg, pose_to_msg
 from voxnav.srv import GetSubmaps, GetSubmapsResponse
 
@@ -39,8 +39,8 @@ def odometry_at(t):
 def submap(k):
     stamps = 100.0 + PERIOD_S * k + np.linspace(0.0, PERIOD_S, 6)
     T_O_S = odometry_at(stamps[0] - 100.0)
-    out = Submap(header=Header(stamp=rospy.Time.from_sec(stamps[-1]), frame_id="uav1/odom"), submap_id=k,
-                 start=rospy.Time.from_sec(stamps[0]), T_O_S=pose_to_msg(T_O_S))
+    out = FinishedSubmap(header=Header(stamp=rospy.Time.from_sec(stamps[-1]), frame_id="uav1/odom"), submap_id=k,
+                         start=rospy.Time.from_sec(stamps[0]), T_O_S=pose_to_msg(T_O_S))
     out.pose_stamps = [rospy.Time.from_sec(s) for s in stamps]
     out.T_S_B = [pose_to_msg(np.linalg.inv(T_O_S) @ odometry_at(s - 100.0)) for s in stamps]
     return out
@@ -77,7 +77,7 @@ class SubmapOptimizerTest(unittest.TestCase):
         first = buffer.lookup_transform("uav1/odom", "uav1/voxnav_map", rospy.Time(0), rospy.Duration(10.0))
         self.assertEqual(first.header.frame_id, "uav1/odom")
 
-        submaps = rospy.Publisher("/uav1/submap_integrator/submap", Submap, queue_size=20)
+        submaps = rospy.Publisher("/uav1/submap_integrator/submap", FinishedSubmap, queue_size=20)
         loops = rospy.Publisher(NODE + "loop_closure_in", LoopClosure, queue_size=20)
         while submaps.get_num_connections() == 0 or loops.get_num_connections() == 0:
             rospy.sleep(0.05)

@@ -11,7 +11,7 @@ namespace voxnav::test {
 
 /// Sets all voxels between two corners, both included.
 inline void fill(containers::StateGrid* grid, const geometry::Index3& low, const geometry::Index3& high,
-                 containers::State state) {
+                 containers::VoxelState state) {
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
       for (int x = low.x; x <= high.x; ++x) grid->set({x, y, z}, state);
@@ -23,7 +23,7 @@ inline void fill(containers::StateGrid* grid, const geometry::Index3& low, const
 inline std::shared_ptr<containers::StateGrid> box_grid(const geometry::Index3& low, const geometry::Index3& high,
                                                        double resolution_m = 1.0) {
   auto grid = std::make_shared<containers::StateGrid>(resolution_m);
-  fill(grid.get(), low, high, containers::State::kFree);
+  fill(grid.get(), low, high, containers::VoxelState::kFree);
   return grid;
 }
 

@@ -17,11 +17,11 @@ class ContentBuilder {
  public:
   explicit ContentBuilder(double resolution_m) : resolution_m_(resolution_m) {}
 
-  void set_free(const geometry::Index3& voxel) { put(voxel, containers::State::kFree, geometry::Vec3::Zero(), 1); }
+  void set_free(const geometry::Index3& voxel) { put(voxel, containers::VoxelState::kFree, geometry::Vec3::Zero(), 1); }
   /// @param offset surface point from the voxel centre in voxel edges, +-0.5
   void set_occupied(const geometry::Index3& voxel, const geometry::Vec3& offset = geometry::Vec3::Zero(),
                     int hits = 10) {
-    put(voxel, containers::State::kOccupied, offset, hits);
+    put(voxel, containers::VoxelState::kOccupied, offset, hits);
   }
   /// A voxel that is only remembered.
   void set_remembered(const geometry::Index3& voxel) { voxels_.at(voxel).voxel.observed.hits = 0; }
@@ -41,8 +41,8 @@ class ContentBuilder {
       occupancy::OccupiedVoxel occupied = value.voxel;
       occupied.offset = static_cast<std::uint16_t>(geometry::offset_in_block(voxel));
       block.states.set(occupied.offset, value.state);
-      if (value.state == containers::State::kOccupied) block.occupied.push_back(occupied);
-      if (value.state == containers::State::kFree && occupied.observed.hits > 0)
+      if (value.state == containers::VoxelState::kOccupied) block.occupied.push_back(occupied);
+      if (value.state == containers::VoxelState::kFree && occupied.observed.hits > 0)
         block.observed_free[occupied.offset >> 6] |= std::uint64_t{1} << (occupied.offset & 63);
     }
     occupancy::MapContent content;
@@ -57,10 +57,10 @@ class ContentBuilder {
 
  private:
   struct Voxel {
-    containers::State state;
+    containers::VoxelState state;
     occupancy::OccupiedVoxel voxel;
   };
-  void put(const geometry::Index3& voxel, containers::State state, const geometry::Vec3& offset, int hits) {
+  void put(const geometry::Index3& voxel, containers::VoxelState state, const geometry::Vec3& offset, int hits) {
     Voxel value{state, {}};
     for (int k = 0; k < 3; ++k) value.voxel.believed.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
     value.voxel.believed.hits = static_cast<std::uint8_t>(hits);

@@ -59,19 +59,19 @@ struct RoomWorld {
   }
 };
 
-struct Sweep {
+struct RoomSweep {
   std::vector<geometry::Vec3f> points_L;
   std::vector<float> times_s;
 };
 
 /// One sweep of a spinning LiDAR (32 beams, 360 columns, 0.1 s) whose pose in the world is a function of time.
-inline Sweep sweep_of(const RoomWorld& world, const std::function<geometry::Pose(double)>& T_W_L, double start_s,
-                      double noise_m, std::uint32_t seed, double max_range_m = 60.0) {
+inline RoomSweep sweep_of(const RoomWorld& world, const std::function<geometry::Pose(double)>& T_W_L, double start_s,
+                          double noise_m, std::uint32_t seed, double max_range_m = 60.0) {
   constexpr int kBeams = 32, kColumns = 360;
   constexpr double kPi = 3.14159265358979323846;
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, noise_m);
-  Sweep out;
+  RoomSweep out;
   for (int c = 0; c < kColumns; ++c) {
     const double t = 0.1 * c / kColumns;
     const geometry::Pose pose = T_W_L(start_s + t);

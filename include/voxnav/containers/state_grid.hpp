@@ -11,14 +11,14 @@
 namespace voxnav::containers {
 
 /// What is known of a voxel. The values are part of the Python face and of messages.
-enum class State : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
+enum class VoxelState : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
 
 /// The states of one block of 16^3 voxels, two bits each, voxel order of geometry::offset_in_block().
 struct StateBlock {
   std::array<std::uint64_t, geometry::kBlockVolume / 32> words{};
 
-  State get(int offset) const { return static_cast<State>((words[offset >> 5] >> (2 * (offset & 31))) & 3u); }
-  void set(int offset, State state) {
+  VoxelState get(int offset) const { return static_cast<VoxelState>((words[offset >> 5] >> (2 * (offset & 31))) & 3u); }
+  void set(int offset, VoxelState state) {
     const int shift = 2 * (offset & 31);
     std::uint64_t& word = words[offset >> 5];
     word = (word & ~(std::uint64_t{3} << shift)) | (static_cast<std::uint64_t>(state) << shift);
@@ -36,10 +36,10 @@ class StateGrid {
   explicit StateGrid(double resolution_m);
 
   double resolution_m() const { return resolution_m_; }
-  State state(const geometry::Index3& voxel) const;
+  VoxelState state(const geometry::Index3& voxel) const;
   /// The state of the voxel that holds a point; unknown for points that are not finite.
-  State state(const geometry::Vec3& point) const;
-  void set(const geometry::Index3& voxel, State state);
+  VoxelState state(const geometry::Vec3& point) const;
+  void set(const geometry::Index3& voxel, VoxelState state);
 
   const StateBlock* find_block(const geometry::Index3& block) const;
   StateBlock& block(const geometry::Index3& block) { return blocks_[block]; }

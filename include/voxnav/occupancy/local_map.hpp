@@ -35,7 +35,7 @@ struct InsertStatistics {
 /// The worst state (occupied, unknown, free in this order) of all voxels that a ball touches along a segment, and the
 /// arc length before it touches the first voxel that is not known to be free.
 struct CorridorState {
-  containers::State worst = containers::State::kFree;
+  containers::VoxelState worst = containers::VoxelState::kFree;
   std::optional<double> first_bad_m;
 };
 
@@ -45,8 +45,9 @@ struct NearestHit {
 };
 
 struct RayCast {
-  containers::State state = containers::State::kFree;  ///< state of the voxel that stopped the ray; free = none did
-  double range_m = 0.0;                                ///< range at which that voxel is entered, or the whole length
+  containers::VoxelState state =
+      containers::VoxelState::kFree;  ///< state of the voxel that stopped the ray; free = none did
+  double range_m = 0.0;               ///< range at which that voxel is entered, or the whole length
 };
 
 /// Rolling three-state occupancy octree around a sensor, frame O (or any fixed frame). Each scan gives each voxel
@@ -85,11 +86,11 @@ class LocalMap {
   /// @throws base::ConfigError unless free < occupied and both are probabilities
   void set_thresholds(double free_threshold, double occupied_threshold);
 
-  containers::State state(const geometry::Vec3& point) const;
+  containers::VoxelState state(const geometry::Vec3& point) const;
   /// Returns the log-odds of the voxel at a point; nothing outside the window and in blocks that no scan ever reached.
   std::optional<double> log_odds(const geometry::Vec3& point) const;
   /// Returns the worst state of all voxels that a box touches. What lies outside the window counts as unknown.
-  containers::State box_state(const geometry::Aabb& box) const;
+  containers::VoxelState box_state(const geometry::Aabb& box) const;
   CorridorState corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const;
   /// Casts a ray from a to b, which stops at the first occupied voxel, and at unknown ones unless `pass_unknown` is
   /// set.
@@ -103,7 +104,7 @@ class LocalMap {
 
   struct KnownVoxel {
     geometry::Index3 index;
-    containers::State state;  ///< free or occupied
+    containers::VoxelState state;  ///< free or occupied
     double log_odds;
   };
   /// Visits every voxel that is free or occupied, in the order of the lists above.

@@ -89,8 +89,8 @@ class Mapper {
   const odometry::LidarOdometry* odometry() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace voxnav::pipeline

@@ -16,8 +16,8 @@ enum class CorridorRule {
 
 struct CorridorResult {
   bool is_safe = true;
-  double first_unsafe_m = 0.0;        ///< if unsafe: arc length at which the corridor first touches an unsafe voxel
-  State unsafe_state = State::kFree;  ///< if unsafe: state of that voxel
+  double first_unsafe_m = 0.0;  ///< if unsafe: arc length at which the corridor first touches an unsafe voxel
+  VoxelState unsafe_state = VoxelState::kFree;           ///< if unsafe: state of that voxel
   geometry::Vec3 unsafe_point = geometry::Vec3::Zero();  ///< if unsafe: centre of that voxel
   double length_m = 0.0;                                 ///< length of the whole polyline
 };

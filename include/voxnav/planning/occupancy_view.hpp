@@ -9,8 +9,8 @@
 
 namespace voxnav::planning {
 
-using containers::State;
 using containers::StateBlock;
+using containers::VoxelState;
 
 /// One bit for each voxel of a block, in the order of geometry::offset_in_block().
 using BlockMask = std::bitset<geometry::kBlockVolume>;
@@ -25,7 +25,7 @@ class OccupancyView {
   virtual double resolution_m() const = 0;
 
   /// Returns the state of a voxel, which is kUnknown outside the map. Never throws.
-  virtual State state(const geometry::Index3& voxel) const = 0;
+  virtual VoxelState state(const geometry::Index3& voxel) const = 0;
 
   /// The box that a path may use. It may be larger than the known part of the map.
   virtual geometry::Aabb bounds() const = 0;
@@ -53,7 +53,7 @@ class StateGridView : public OccupancyView {
   explicit StateGridView(std::shared_ptr<const containers::StateGrid> grid, double grown_by_m = 0.0);
 
   double resolution_m() const override { return grid_->resolution_m(); }
-  State state(const geometry::Index3& voxel) const override { return grid_->state(voxel); }
+  VoxelState state(const geometry::Index3& voxel) const override { return grid_->state(voxel); }
   geometry::Aabb bounds() const override { return bounds_; }
   const StateBlock* block(const geometry::Index3& block, StateBlock*) const override {
     return grid_->find_block(block);

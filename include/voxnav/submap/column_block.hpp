@@ -17,11 +17,11 @@ struct ColumnBlock {
   Columns free{};
   Columns occupied{};
 
-  containers::State get(int offset) const {
+  containers::VoxelState get(int offset) const {
     const auto column = static_cast<std::size_t>(offset & 255);
     const int z = offset >> 8;
-    if ((occupied[column] >> z) & 1) return containers::State::kOccupied;
-    return (free[column] >> z) & 1 ? containers::State::kFree : containers::State::kUnknown;
+    if ((occupied[column] >> z) & 1) return containers::VoxelState::kOccupied;
+    return (free[column] >> z) & 1 ? containers::VoxelState::kFree : containers::VoxelState::kUnknown;
   }
   bool all_unknown() const;
 };

@@ -73,7 +73,7 @@ class EvidenceMap {
   const EvidenceBlock* find(const geometry::Index3& block) const;
   const std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash>& blocks() const { return blocks_; }
   double resolution_m() const { return rules_.resolution_m; }
-  containers::State state(const geometry::Vec3& p_W) const;
+  containers::VoxelState state(const geometry::Vec3& p_W) const;
   /// Returns the position of a surface point of a block in W.
   geometry::Vec3 point_of(const geometry::Index3& block, const SurfaceEvidence& evidence) const;
   /// Returns the nearest believed surface point within max_distance_m, exactly. O(blocks within reach), whatever the

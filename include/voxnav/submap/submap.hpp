@@ -46,7 +46,7 @@ class Submap final : public geometry::DistanceField {
   geometry::Aabb surface_bounds() const override;
   double resolution_m() const override { return resolution_m_; }
 
-  containers::State state(const geometry::Vec3& p_S) const;
+  containers::VoxelState state(const geometry::Vec3& p_S) const;
   /// The surface points of all occupied voxels [m, frame S].
   std::vector<geometry::Vec3f> occupied_points() const;
   /// The bounding box of all known voxels [m, frame S].

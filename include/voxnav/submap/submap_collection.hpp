@@ -67,7 +67,7 @@ class SubmapCollection {
   /// Believed surface points [m, frame W], by blocks.
   std::vector<geometry::Vec3f> occupied_points();
   containers::StateGrid obstacles(double safety_distance_m);
-  containers::State state(const geometry::Vec3& p_W);
+  containers::VoxelState state(const geometry::Vec3& p_W);
   /// Returns the distance to the nearest believed surface point, at most max_distance_m; nothing where the map is
   /// unknown.
   std::optional<double> distance(const geometry::Vec3& p_W, double max_distance_m);
@@ -76,8 +76,9 @@ class SubmapCollection {
   std::optional<geometry::Vec3> gradient(const geometry::Vec3& p_W, double max_distance_m);
   /// The first voxel on the segment from a to b that is not known to be free.
   struct Ray {
-    containers::State state = containers::State::kFree;  ///< state of that voxel; free = the whole segment is free
-    double distance_m = 0.0;                             ///< distance from a to that voxel, or to b
+    containers::VoxelState state =
+        containers::VoxelState::kFree;  ///< state of that voxel; free = the whole segment is free
+    double distance_m = 0.0;            ///< distance from a to that voxel, or to b
   };
   /// @throws std::invalid_argument unless both ends are finite and less than 10 km apart
   Ray cast_ray(const geometry::Vec3& a_W, const geometry::Vec3& b_W);

@@ -14,18 +14,18 @@ StateGrid::StateGrid(double resolution_m) : resolution_m_(resolution_m) {
   if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be positive");
 }
 
-State StateGrid::state(const geometry::Index3& voxel) const {
+VoxelState StateGrid::state(const geometry::Index3& voxel) const {
   const StateBlock* found = find_block(geometry::block_of(voxel));
-  return found ? found->get(geometry::offset_in_block(voxel)) : State::kUnknown;
+  return found ? found->get(geometry::offset_in_block(voxel)) : VoxelState::kUnknown;
 }
 
-State StateGrid::state(const geometry::Vec3& point) const {
+VoxelState StateGrid::state(const geometry::Vec3& point) const {
   // The index of a voxel beyond 2^30 would overflow; nothing is ever known that far away.
-  if (!((point.array().abs() / resolution_m_) < 1073741824.0).all()) return State::kUnknown;
+  if (!((point.array().abs() / resolution_m_) < 1073741824.0).all()) return VoxelState::kUnknown;
   return state(geometry::index_of(point, resolution_m_));
 }
 
-void StateGrid::set(const geometry::Index3& voxel, State state) {
+void StateGrid::set(const geometry::Index3& voxel, VoxelState state) {
   blocks_[geometry::block_of(voxel)].set(geometry::offset_in_block(voxel), state);
 }
 

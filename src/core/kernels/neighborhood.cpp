@@ -36,7 +36,8 @@ const RowSums& row_sums() {
 }
 
 /// Lists the occupied neighbours first and sums their points then, which needs only one branch.
-VOXNAV_INLINE void look(const VoxelWindow& window, const WindowVoxel& voxel, const RowSums& sums, Neighborhood* out) {
+VOXNAV_INLINE void look(const VoxelWindow& window, const geometry::Index3& voxel, const RowSums& sums,
+                        Neighborhood* out) {
   constexpr unsigned kCount[8] = {0, 1, 1, 2, 1, 2, 2, 3};
   unsigned others[27 + 3];
   unsigned num_others = 0;
@@ -66,26 +67,27 @@ VOXNAV_INLINE void look(const VoxelWindow& window, const WindowVoxel& voxel, con
   store(products, out->products.data());
 }
 
-VOXNAV_INLINE void look_all(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels,
+VOXNAV_INLINE void look_all(const VoxelWindow& window, const std::array<geometry::Index3, kTogether>& voxels,
                             const RowSums& sums, NeighborhoodBatch* out) {
   for (std::size_t k = 0; k < kTogether; ++k) look(window, voxels[k], sums, &(*out)[k]);
 }
-void look_plain(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels, const RowSums& sums,
+void look_plain(const VoxelWindow& window, const std::array<geometry::Index3, kTogether>& voxels, const RowSums& sums,
                 NeighborhoodBatch* out) {
   look_all(window, voxels, sums, out);
 }
-VOXNAV_WIDE void look_wide(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels,
+VOXNAV_WIDE void look_wide(const VoxelWindow& window, const std::array<geometry::Index3, kTogether>& voxels,
                            const RowSums& sums, NeighborhoodBatch* out) {
   look_all(window, voxels, sums, out);
 }
 
 }  // namespace
 
-void look_around(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels, NeighborhoodBatch* out) {
+void look_around(const VoxelWindow& window, const std::array<geometry::Index3, kTogether>& voxels,
+                 NeighborhoodBatch* out) {
   (is_wide() ? look_wide : look_plain)(window, voxels, row_sums(), out);
 }
 
-Neighborhood reference::look_around(const VoxelWindow& window, const WindowVoxel& voxel) {
+Neighborhood reference::look_around(const VoxelWindow& window, const geometry::Index3& voxel) {
   Neighborhood out{};
   for (int dz = -1; dz <= 1; ++dz) {
     for (int dy = -1; dy <= 1; ++dy) {

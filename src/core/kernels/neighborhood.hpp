@@ -20,7 +20,8 @@ constexpr std::size_t kTogether = 8;  ///< voxels in a batch
 using NeighborhoodBatch = std::array<Neighborhood, kTogether>;
 
 /// Computes the neighbourhoods of eight voxels of a window; their neighbours must lie in the window.
-void look_around(const VoxelWindow& window, const std::array<WindowVoxel, kTogether>& voxels, NeighborhoodBatch* out);
+void look_around(const VoxelWindow& window, const std::array<geometry::Index3, kTogether>& voxels,
+                 NeighborhoodBatch* out);
 
 /// Computes the unit normals, of either sign, of the planes through the surface points around eight voxels, coordinate
 /// by coordinate. A normal is zero if the points do not lie in a plane: they are fewer than five, thicker than 0.2
@@ -29,7 +30,7 @@ using PlaneNormals = std::array<std::array<float, kTogether>, 3>;
 void fit_planes(const NeighborhoodBatch& batch, PlaneNormals* normals);
 
 namespace reference {
-Neighborhood look_around(const VoxelWindow& window, const WindowVoxel& voxel);
+Neighborhood look_around(const VoxelWindow& window, const geometry::Index3& voxel);
 std::array<float, 3> fit_plane(const Neighborhood& around);
 }  // namespace reference
 

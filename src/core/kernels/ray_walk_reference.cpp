@@ -10,7 +10,7 @@ namespace {
 constexpr std::int32_t kNever = 1 << 30;
 constexpr std::int32_t kWordBits = 1 << kWordShift;
 
-struct Point {
+struct CanvasPoint {
   float a, b, c;
 };
 
@@ -39,17 +39,17 @@ void mark_run(const Canvas& canvas, std::int32_t line, std::int32_t first, std::
   }
 }
 
-int num_runs(const Point& from, const Point& to) {
+int num_runs(const CanvasPoint& from, const CanvasPoint& to) {
   const auto cells = [](float x, float y) { return std::abs(static_cast<int>(y) - static_cast<int>(x)); };
   const int words = static_cast<int>(to.a) / kWordBits - static_cast<int>(from.a) / kWordBits;
   return 1 + cells(from.b, to.b) + cells(from.c, to.c) + std::abs(words);
 }
 
 /// @param from, to  ends of one ray, that with the smaller coordinate on axis a first
-void mark_ray(const Canvas& canvas, const Point& from, const Point& to) {
+void mark_ray(const Canvas& canvas, const CanvasPoint& from, const CanvasPoint& to) {
   ShortAxis b = short_axis(from.b, to.b, from.a, to.a - from.a, canvas.step_b, canvas.fraction_bits);
   ShortAxis c = short_axis(from.c, to.c, from.a, to.a - from.a, canvas.step_c, canvas.fraction_bits);
-  const auto line_of = [&](const Point& p) {
+  const auto line_of = [&](const CanvasPoint& p) {
     return canvas.zero + static_cast<std::int32_t>(p.b) * canvas.step_b +
            static_cast<std::int32_t>(p.c) * canvas.step_c;
   };
@@ -78,9 +78,9 @@ void mark_ray(const Canvas& canvas, const Point& from, const Point& to) {
 }  // namespace
 
 void mark_rays(const Rays& rays, const Canvas& canvas) {
-  const Point origin{rays.origin_a, rays.origin_b, rays.origin_c};
+  const CanvasPoint origin{rays.origin_a, rays.origin_b, rays.origin_c};
   for (std::size_t i = 0; i < rays.size; ++i) {
-    const Point end{rays.a[i], rays.b[i], rays.c[i]};
+    const CanvasPoint end{rays.a[i], rays.b[i], rays.c[i]};
     mark_ray(canvas, rays.is_ascending ? origin : end, rays.is_ascending ? end : origin);
   }
 }

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "voxnav/geometry/voxel.hpp"
+
 /// A block of 16^3 voxels with a halo of 8 voxels, as rows of bits along x: the form in which kernels read a
 /// submap::ContentWindow. Coordinates are voxels from the first voxel of the block; centres of voxels are at integers.
 namespace voxnav::kernels {
@@ -15,10 +17,6 @@ constexpr int kWindowSide = kWindowBlockSide + 2 * kWindowHalo;
 
 /// A surface point as x y z 1 and as y z x 0, so that the products of its coordinates need no shuffles.
 using WindowPoint = std::array<float, 8>;
-
-struct WindowVoxel {
-  std::int16_t x, y, z;
-};
 
 /// The window itself. Voxel (x, y, z) is bit x + kWindowHalo of the row at (y, z).
 struct VoxelWindow {

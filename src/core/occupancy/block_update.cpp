@@ -53,10 +53,10 @@ void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOdds
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
     std::uint8_t& level = block->log_odds[hit->offset];
     const auto after = static_cast<std::uint8_t>(std::min<int>(level + scale.hit, scale.max));
-    const containers::State state = levels.of(after);
+    const containers::VoxelState state = levels.of(after);
     if (state != levels.of(level)) {
       out->update.any_state_changed = true;
-      out->update.became_occupied += state == containers::State::kOccupied ? 1 : 0;
+      out->update.became_occupied += state == containers::VoxelState::kOccupied ? 1 : 0;
     }
     out->any_level_changed = out->any_level_changed || after != level;
     level = after;

@@ -46,7 +46,7 @@ void LocalMap::Impl::keep(std::vector<EvictedBlock> blocks, InsertStatistics* st
     removed.add(left.index, forest.sequence);
     ContentBlock content = left.block->content(left.index, forest.levels, forest.recent_scans);
     for (int i = 0; i < geometry::kBlockVolume; ++i) {
-      statistics->cells_evicted += content.states.get(i) != containers::State::kUnknown ? 1 : 0;
+      statistics->cells_evicted += content.states.get(i) != containers::VoxelState::kUnknown ? 1 : 0;
     }
     evicted.add(std::move(content));
   }
@@ -120,7 +120,7 @@ std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
         if (level >= forest.levels.occupied_min) continue;
         block.mark_seen(offset);
         if (level == 0) continue;
-        freed += forest.levels.of(level) != containers::State::kFree ? 1 : 0;
+        freed += forest.levels.of(level) != containers::VoxelState::kFree ? 1 : 0;
         level = 0;
         touched.insert(slot);
       }

@@ -52,8 +52,8 @@ void LocalMap::for_known(const std::function<void(const KnownVoxel&)>& visit) co
     if (!block.has_known()) return;
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
       const int level = block.log_odds[offset];
-      const containers::State state = forest.levels.of(level);
-      if (state == containers::State::kUnknown) continue;
+      const containers::VoxelState state = forest.levels.of(level);
+      if (state == containers::VoxelState::kUnknown) continue;
       visit({geometry::voxel_at(index, offset), state, forest.scale.log_odds(level)});
     }
   });

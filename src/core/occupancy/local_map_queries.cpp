@@ -11,7 +11,7 @@
 namespace voxnav::occupancy {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 
 constexpr double kMaxCells = 5e8;
 constexpr std::int64_t kMaxRaySteps = 1000000;
@@ -22,8 +22,8 @@ int badness(std::uint8_t flags) {
   return (flags & kContainsUnknown) != 0 ? 1 : 0;
 }
 
-State state_of_badness(int badness) {
-  constexpr State kStates[] = {State::kFree, State::kUnknown, State::kOccupied};
+VoxelState state_of_badness(int badness) {
+  constexpr VoxelState kStates[] = {VoxelState::kFree, VoxelState::kUnknown, VoxelState::kOccupied};
   return kStates[badness];
 }
 
@@ -40,7 +40,7 @@ void require_finite(const geometry::Vec3& a, const geometry::Vec3& b, double res
 /// anything that is not free.
 class CorridorSearch {
  public:
-  CorridorSearch(const Segment& segment, double radius_m) : segment_(segment), radius_m_(radius_m) {}
+  CorridorSearch(const SegmentDistance& segment, double radius_m) : segment_(segment), radius_m_(radius_m) {}
 
   /// Returns true if anything below the node can still change the result.
   bool enter(const geometry::Vec3& center, double half_edge, std::uint8_t flags) {
@@ -70,7 +70,7 @@ class CorridorSearch {
   }
 
  private:
-  Segment segment_;
+  SegmentDistance segment_;
   double radius_m_;
   int worst_ = 0;
   double first_bad_m_ = std::numeric_limits<double>::infinity();
@@ -83,7 +83,7 @@ class BoxSearch {
     return badness(flags) > worst_ && box_.intersects({center.array() - half_edge, center.array() + half_edge});
   }
   void leaf(const geometry::Vec3&, double, std::uint8_t flags) { worst_ = std::max(worst_, badness(flags)); }
-  State result() const { return state_of_badness(worst_); }
+  VoxelState result() const { return state_of_badness(worst_); }
 
  private:
   geometry::Aabb box_;
@@ -114,12 +114,12 @@ class NearestSearch {
 
 }  // namespace
 
-State LocalMap::state(const geometry::Vec3& point) const {
+VoxelState LocalMap::state(const geometry::Vec3& point) const {
   const OctreeForest& forest = impl_->forest;
-  if (!((point.array().abs() / forest.resolution_m) < kMaxCells).all()) return State::kUnknown;
+  if (!((point.array().abs() / forest.resolution_m) < kMaxCells).all()) return VoxelState::kUnknown;
   const geometry::Index3 voxel = geometry::index_of(point, forest.resolution_m);
   const OctreeBlock* block = forest.window.find(geometry::block_of(voxel));
-  return block ? forest.levels.of(block->log_odds[geometry::offset_in_block(voxel)]) : State::kUnknown;
+  return block ? forest.levels.of(block->log_odds[geometry::offset_in_block(voxel)]) : VoxelState::kUnknown;
 }
 
 std::optional<double> LocalMap::log_odds(const geometry::Vec3& point) const {
@@ -131,14 +131,14 @@ std::optional<double> LocalMap::log_odds(const geometry::Vec3& point) const {
   return forest.scale.log_odds(block->log_odds[geometry::offset_in_block(voxel)]);
 }
 
-State LocalMap::box_state(const geometry::Aabb& box) const {
+VoxelState LocalMap::box_state(const geometry::Aabb& box) const {
   const OctreeForest& forest = impl_->forest;
   require_finite(box.min, box.max, forest.resolution_m);
   if (box.empty()) throw std::invalid_argument("the box is empty");
   BoxSearch search(box);
   search_octree(forest, box, &search);
   const bool all_inside = forest.contains(box.min) && forest.contains(box.max);
-  return all_inside || search.result() == State::kOccupied ? search.result() : State::kUnknown;
+  return all_inside || search.result() == VoxelState::kOccupied ? search.result() : VoxelState::kUnknown;
 }
 
 CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::Vec3& b, double radius_m) const {
@@ -149,7 +149,7 @@ CorridorState LocalMap::corridor_state(const geometry::Vec3& a, const geometry::
   geometry::Aabb box;
   box.extend(a);
   box.extend(b);
-  CorridorSearch search(Segment(a, b), radius_m);
+  CorridorSearch search(SegmentDistance(a, b), radius_m);
   search_octree(forest, box.padded(radius_m), &search);
   if (!forest.contains(a)) search.starts_in_unknown();
   return search.result();
@@ -186,15 +186,16 @@ RayCast LocalMap::ray_cast(const geometry::Vec3& a, const geometry::Vec3& b, boo
   }
   double entered = 0.0;
   for (std::int64_t i = 0; i <= steps; ++i) {
-    const State here = state(geometry::center_of(cell, v));
-    if (here == State::kOccupied || (here == State::kUnknown && !pass_unknown)) return {here, entered * length};
+    const VoxelState here = state(geometry::center_of(cell, v));
+    if (here == VoxelState::kOccupied || (here == VoxelState::kUnknown && !pass_unknown))
+      return {here, entered * length};
     int axis = 0;
     next.minCoeff(&axis);
     entered = std::min(1.0, next[axis]);
     *coordinates[axis] += b[axis] > a[axis] ? 1 : -1;
     next[axis] += v / std::abs(b[axis] - a[axis]);
   }
-  return {State::kFree, length};
+  return {VoxelState::kFree, length};
 }
 
 }  // namespace voxnav::occupancy

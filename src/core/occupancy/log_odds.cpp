@@ -75,10 +75,10 @@ Transitions ideal_transitions(const LocalMapConfig& config) {
 }
 
 Transitions transitions_of(const LogOddsScale& scale, const StateLevels& levels) {
-  using containers::State;
+  using containers::VoxelState;
   return count_all<int>(
-      scale.prior, scale.hit, -scale.miss, 0, scale.max, [&](int l) { return levels.of(l) == State::kFree; },
-      [&](int l) { return levels.of(l) == State::kOccupied; });
+      scale.prior, scale.hit, -scale.miss, 0, scale.max, [&](int l) { return levels.of(l) == VoxelState::kFree; },
+      [&](int l) { return levels.of(l) == VoxelState::kOccupied; });
 }
 
 int mismatch(const Transitions& a, const Transitions& b) {

@@ -42,9 +42,9 @@ struct StateLevels {
   /// occupied_begin() on.
   std::uint8_t free_end() const { return static_cast<std::uint8_t>(free_max + 1); }
   std::uint8_t occupied_begin() const { return static_cast<std::uint8_t>(occupied_min < 255 ? occupied_min : 255); }
-  containers::State of(int level) const {
-    if (level >= occupied_min) return containers::State::kOccupied;
-    return level <= free_max ? containers::State::kFree : containers::State::kUnknown;
+  containers::VoxelState of(int level) const {
+    if (level >= occupied_min) return containers::VoxelState::kOccupied;
+    return level <= free_max ? containers::VoxelState::kFree : containers::VoxelState::kUnknown;
   }
 };
 

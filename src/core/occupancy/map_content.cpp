@@ -9,7 +9,7 @@
 namespace voxnav::occupancy {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 
 constexpr base::Format kFormat{0x434D5856, 1, "a voxnav map content"};  // "VXMC"
 
@@ -20,13 +20,14 @@ ContentBlock merge_blocks(const ContentBlock& older, const ContentBlock& newer) 
   auto old_voxel = older.occupied.begin();
   auto new_voxel = newer.occupied.begin();
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const State newest = newer.states.get(offset);
-    const State state = newest == State::kUnknown ? older.states.get(offset) : newest;
+    const VoxelState newest = newer.states.get(offset);
+    const VoxelState state = newest == VoxelState::kUnknown ? older.states.get(offset) : newest;
     out.states.set(offset, state);
     while (old_voxel != older.occupied.end() && old_voxel->offset < offset) ++old_voxel;
     while (new_voxel != newer.occupied.end() && new_voxel->offset < offset) ++new_voxel;
-    if (state == State::kOccupied) out.occupied.push_back(newest == State::kUnknown ? *old_voxel : *new_voxel);
-    const VoxelBits& observed_free = newest == State::kUnknown ? older.observed_free : newer.observed_free;
+    if (state == VoxelState::kOccupied)
+      out.occupied.push_back(newest == VoxelState::kUnknown ? *old_voxel : *new_voxel);
+    const VoxelBits& observed_free = newest == VoxelState::kUnknown ? older.observed_free : newer.observed_free;
     out.observed_free[offset >> 6] |= observed_free[offset >> 6] & (std::uint64_t{1} << (offset & 63));
   }
   return out;
@@ -74,7 +75,7 @@ VoxelBits get_bits(base::ByteReader* in) {
 VoxelBits free_bits(const containers::StateBlock& states) {
   VoxelBits out{};
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    out[offset >> 6] |= std::uint64_t{states.get(offset) == State::kFree} << (offset & 63);
+    out[offset >> 6] |= std::uint64_t{states.get(offset) == VoxelState::kFree} << (offset & 63);
   }
   return out;
 }
@@ -82,9 +83,9 @@ VoxelBits free_bits(const containers::StateBlock& states) {
 void check_voxels(const ContentBlock& block, const base::ByteReader& reader) {
   std::size_t next = 0;
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const State state = block.states.get(offset);
-    if (state > State::kOccupied) reader.fail("holds a voxel state that does not exist");
-    if (state != State::kOccupied) continue;
+    const VoxelState state = block.states.get(offset);
+    if (state > VoxelState::kOccupied) reader.fail("holds a voxel state that does not exist");
+    if (state != VoxelState::kOccupied) continue;
     if (next >= block.occupied.size() || block.occupied[next++].offset != offset)
       reader.fail("has occupied voxels that do not match its states");
   }

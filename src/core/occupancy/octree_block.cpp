@@ -9,7 +9,7 @@
 
 namespace voxnav::occupancy {
 
-using containers::State;
+using containers::VoxelState;
 
 constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
 
@@ -38,7 +38,7 @@ std::uint64_t spread_out(std::uint32_t bits) {
 }  // namespace
 
 containers::StateBlock OctreeBlock::states(const StateLevels& levels) const {
-  static_assert(static_cast<int>(State::kFree) == 1 && static_cast<int>(State::kOccupied) == 2, "a bit each");
+  static_assert(static_cast<int>(VoxelState::kFree) == 1 && static_cast<int>(VoxelState::kOccupied) == 2, "a bit each");
   containers::StateBlock out;
   for (std::size_t word = 0; word < out.words.size() / 2; ++word) {
     const std::uint64_t free = free_bits(word, levels), occupied = occupied_bits(word, levels);

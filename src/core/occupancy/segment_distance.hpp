@@ -10,9 +10,9 @@ namespace voxnav::occupancy {
 
 /// Distances from a segment to axis-aligned cubes. The squared distance along the segment is convex, so its lowest
 /// point and its first crossing of a radius are found by bisection of the slope, exactly to rounding.
-class Segment {
+class SegmentDistance {
  public:
-  Segment(const geometry::Vec3& a, const geometry::Vec3& b) : a_(a), delta_(b - a), length_(delta_.norm()) {}
+  SegmentDistance(const geometry::Vec3& a, const geometry::Vec3& b) : a_(a), delta_(b - a), length_(delta_.norm()) {}
 
   double length() const { return length_; }
   geometry::Vec3 at(double ratio) const { return a_ + ratio * delta_; }

@@ -19,7 +19,7 @@ std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_sec
 
 }  // namespace
 
-struct Mapper::State {
+struct Mapper::Impl {
   struct Drop {
     SweepFate fate;
     std::string reason;
@@ -35,7 +35,7 @@ struct Mapper::State {
     Pose T_O_B;
   };
 
-  State(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator);
+  Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator);
   void track(cloud::Sweep sweep, double now_s);
   void track_ready(double now_s);
   void push(Waiting waiting);
@@ -61,7 +61,7 @@ struct Mapper::State {
   std::optional<Mapped> mapped;  // the sweep that close_due() is still to be asked for
 };
 
-Mapper::State::State(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator)
+Mapper::Impl::Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator)
     : config(base::checked(mapper_config)),
       map(config.map),
       scheduler(config.submap, config.first_submap_id),
@@ -72,7 +72,7 @@ Mapper::State::State(const MapperConfig& mapper_config, const Pose& T_B_L, const
   if (config.odometry) odometry.emplace(*config.odometry, T_B_L);
 }
 
-void Mapper::State::track(cloud::Sweep sweep, double now_s) {
+void Mapper::Impl::track(cloud::Sweep sweep, double now_s) {
   const odometry::OdometryResult result = odometry->add_sweep(sweep);
   if (result.is_new && result.quality.state == odometry::OdometryState::kCoasting) scheduler.request_close("odometry");
   // Before odometry has a map there is no pose to speak of.
@@ -81,11 +81,11 @@ void Mapper::State::track(cloud::Sweep sweep, double now_s) {
   push({std::move(sweep), std::nullopt, now_s, std::nullopt});
 }
 
-void Mapper::State::track_ready(double now_s) {
+void Mapper::Impl::track_ready(double now_s) {
   while (auto sweep = gate.next(now_s)) track(std::move(*sweep), now_s);
 }
 
-void Mapper::State::push(Waiting item) {
+void Mapper::Impl::push(Waiting item) {
   waiting.push_back(std::move(item));
   if (waiting.size() <= static_cast<std::size_t>(config.max_pending_scans)) return;
   for (Waiting& oldest : waiting) {
@@ -97,7 +97,7 @@ void Mapper::State::push(Waiting item) {
 }
 
 /// Asks for the poses of a sweep that has none; gives it up when there will be none.
-void Mapper::State::settle(Waiting* item) const {
+void Mapper::Impl::settle(Waiting* item) const {
   if (item->poses || item->drop) return;
   SweepLocation found = locator->locate(item->sweep, config.use_deskew ? item->sweep.duration_ns : 0);
   if (found.status == SweepLocation::Status::kKnown) {
@@ -109,7 +109,7 @@ void Mapper::State::settle(Waiting* item) const {
 
 /// A late sweep says nothing about now, and the map has newer ones: it is left out. Only when the sweeps after it
 /// confirm that time jumped back is the map of the future forgotten.
-bool Mapper::State::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
+bool Mapper::Impl::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
   using Verdict = base::ClockWatch::Verdict;
   const auto newest_ns = clock.newest_ns();
   const Verdict verdict = clock.add(stamp_ns);
@@ -123,18 +123,18 @@ bool Mapper::State::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
   return false;
 }
 
-void Mapper::State::watch_jump(const geometry::Vec3& body, MapperStep* step) {
+void Mapper::Impl::watch_jump(const geometry::Vec3& body, MapperStep* step) {
   const double jump_m = last_body ? (body - *last_body).norm() : 0.0;
   if (jump_m > config.max_jump_m) clear("the pose jumped by " + std::to_string(jump_m) + " m", step);
   last_body = body;
 }
 
-void Mapper::State::clear(const std::string& text, MapperStep* step) {
+void Mapper::Impl::clear(const std::string& text, MapperStep* step) {
   for (Handover& handover : clear("odometry")) step->handovers.push_back(std::move(handover));
   step->map_cleared = text;
 }
 
-std::vector<Handover> Mapper::State::clear(const std::string& reason) {
+std::vector<Handover> Mapper::Impl::clear(const std::string& reason) {
   std::vector<Handover> out = scheduler.finish(&map, reason);
   map.clear();
   last_body.reset();
@@ -142,7 +142,7 @@ std::vector<Handover> Mapper::State::clear(const std::string& reason) {
   return out;
 }
 
-void Mapper::State::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperStep* step) {
+void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperStep* step) {
   if (load.decimation() > 1) {
     load.thin_out(1, &sweep->points);
     load.thin_out(1, &sweep->time_offsets_ns);
@@ -157,92 +157,90 @@ void Mapper::State::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperS
 }
 
 Mapper::Mapper(const MapperConfig& config, const Pose& T_B_L, const SweepLocator* locator)
-    : state_(std::make_unique<State>(config, T_B_L, locator)) {}
+    : impl_(std::make_unique<Impl>(config, T_B_L, locator)) {}
 
 Mapper::~Mapper() = default;
 
 void Mapper::add_imu(const odometry::ImuSample& sample) {
-  if (!state_->odometry) return;
-  state_->odometry->add_imu(sample);
-  state_->gate.note_imu(sample.stamp_ns);
-  state_->track_ready(0.0);
+  if (!impl_->odometry) return;
+  impl_->odometry->add_imu(sample);
+  impl_->gate.note_imu(sample.stamp_ns);
+  impl_->track_ready(0.0);
 }
 
-bool Mapper::add_pose(base::StampNs stamp_ns, const Pose& T_O_B) { return state_->own_locator.add(stamp_ns, T_O_B); }
+bool Mapper::add_pose(base::StampNs stamp_ns, const Pose& T_O_B) { return impl_->own_locator.add(stamp_ns, T_O_B); }
 
 void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& poses, double now_s) {
-  if (poses || !state_->odometry) {
-    state_->push({std::move(sweep), poses, now_s, std::nullopt});
+  if (poses || !impl_->odometry) {
+    impl_->push({std::move(sweep), poses, now_s, std::nullopt});
   } else {
-    state_->gate.add(std::move(sweep), 0.0);
-    state_->track_ready(0.0);
+    impl_->gate.add(std::move(sweep), 0.0);
+    impl_->track_ready(0.0);
   }
 }
 
 void Mapper::drop_overdue(double now_s, double timeout_s) {
-  for (State::Waiting& item : state_->waiting) {
-    state_->settle(&item);
+  for (Impl::Waiting& item : impl_->waiting) {
+    impl_->settle(&item);
     if (item.poses || item.drop || now_s - item.since_s <= timeout_s) continue;
-    const std::string problem = state_->locator->locate(item.sweep, item.sweep.duration_ns).problem;
-    item.drop = State::Drop{SweepFate::kNoPose, "no pose within " + std::to_string(timeout_s) + " s: " + problem};
+    const std::string problem = impl_->locator->locate(item.sweep, item.sweep.duration_ns).problem;
+    item.drop = Impl::Drop{SweepFate::kNoPose, "no pose within " + std::to_string(timeout_s) + " s: " + problem};
   }
 }
 
 void Mapper::end_input() {
-  state_->has_ended = true;
-  while (auto sweep = state_->gate.take_oldest()) state_->track(std::move(*sweep), 0.0);
+  impl_->has_ended = true;
+  while (auto sweep = impl_->gate.take_oldest()) impl_->track(std::move(*sweep), 0.0);
 }
 
-bool Mapper::is_waiting_for_imu() const { return !state_->gate.empty(); }
+bool Mapper::is_waiting_for_imu() const { return !impl_->gate.empty(); }
 
 bool Mapper::has_next() {
-  if (state_->waiting.empty()) return false;
-  State::Waiting& oldest = state_->waiting.front();
-  state_->settle(&oldest);
+  if (impl_->waiting.empty()) return false;
+  Impl::Waiting& oldest = impl_->waiting.front();
+  impl_->settle(&oldest);
   return oldest.poses || oldest.drop;
 }
 
 MapperStep Mapper::next() {
   if (!has_next()) throw std::logic_error("Mapper::next(): no sweep is ready");
-  State::Waiting oldest = std::move(state_->waiting.front());
-  state_->waiting.pop_front();
+  Impl::Waiting oldest = std::move(impl_->waiting.front());
+  impl_->waiting.pop_front();
   MapperStep step;
   step.stamp_ns = oldest.sweep.stamp_ns;
-  state_->mapped.reset();
+  impl_->mapped.reset();
   if (oldest.drop) {
     step.fate = oldest.drop->fate;
     step.reason = oldest.drop->reason;
-  } else if (state_->watch_clock(oldest.sweep.start_ns, &step)) {
-    state_->watch_jump(oldest.poses->T_O_B.translation(), &step);
-    state_->insert(&oldest.sweep, *oldest.poses, &step);
+  } else if (impl_->watch_clock(oldest.sweep.start_ns, &step)) {
+    impl_->watch_jump(oldest.poses->T_O_B.translation(), &step);
+    impl_->insert(&oldest.sweep, *oldest.poses, &step);
   }
   return step;
 }
 
 std::vector<Handover> Mapper::close_due() {
-  if (!state_->mapped) return {};
-  const State::Mapped scan = *std::exchange(state_->mapped, std::nullopt);
-  return state_->scheduler.add_scan(&state_->map, scan.stamp_ns, scan.T_O_B);
+  if (!impl_->mapped) return {};
+  const Impl::Mapped scan = *std::exchange(impl_->mapped, std::nullopt);
+  return impl_->scheduler.add_scan(&impl_->map, scan.stamp_ns, scan.T_O_B);
 }
 
-std::vector<Handover> Mapper::finish(const std::string& reason) {
-  return state_->scheduler.finish(&state_->map, reason);
-}
+std::vector<Handover> Mapper::finish(const std::string& reason) { return impl_->scheduler.finish(&impl_->map, reason); }
 
-void Mapper::request_close(const std::string& reason) { state_->scheduler.request_close(reason); }
+void Mapper::request_close(const std::string& reason) { impl_->scheduler.request_close(reason); }
 
-std::vector<Handover> Mapper::clear(const std::string& reason) { return state_->clear(reason); }
+std::vector<Handover> Mapper::clear(const std::string& reason) { return impl_->clear(reason); }
 
-void Mapper::add_load(double work_s, double period_s) { state_->load.add(work_s, period_s); }
+void Mapper::add_load(double work_s, double period_s) { impl_->load.add(work_s, period_s); }
 
-int Mapper::decimation() const { return state_->load.decimation(); }
+int Mapper::decimation() const { return impl_->load.decimation(); }
 
-occupancy::LocalMap& Mapper::map() { return state_->map; }
+occupancy::LocalMap& Mapper::map() { return impl_->map; }
 
-const occupancy::LocalMap& Mapper::map() const { return state_->map; }
+const occupancy::LocalMap& Mapper::map() const { return impl_->map; }
 
-std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return state_->clock.newest_ns(); }
+std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->clock.newest_ns(); }
 
-const odometry::LidarOdometry* Mapper::odometry() const { return state_->odometry ? &*state_->odometry : nullptr; }
+const odometry::LidarOdometry* Mapper::odometry() const { return impl_->odometry ? &*impl_->odometry : nullptr; }
 
 }  // namespace voxnav::pipeline

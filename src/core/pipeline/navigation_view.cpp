@@ -5,8 +5,8 @@
 
 namespace voxnav::pipeline {
 
-using containers::State;
 using containers::StateBlock;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3;
 using planning::BlockMask;
@@ -35,9 +35,9 @@ bool NavigationView::is_in_footprint(const Index3& voxel) const {
          std::abs(offset.z()) <= config_.footprint_half_height_m;
 }
 
-State NavigationView::state(const Index3& voxel) const {
-  const State known = content_.local->state(voxel);
-  return known == State::kUnknown && is_in_footprint(voxel) ? State::kFree : known;
+VoxelState NavigationView::state(const Index3& voxel) const {
+  const VoxelState known = content_.local->state(voxel);
+  return known == VoxelState::kUnknown && is_in_footprint(voxel) ? VoxelState::kFree : known;
 }
 
 geometry::Aabb NavigationView::box_of(const Index3& block) const {
@@ -51,8 +51,8 @@ const StateBlock* NavigationView::block(const Index3& block, StateBlock* scratch
   if (!box_of(block).intersects(footprint_)) return known;
   *scratch = known != nullptr ? *known : StateBlock{};
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    if (scratch->get(offset) == State::kUnknown && is_in_footprint(geometry::voxel_at(block, offset))) {
-      scratch->set(offset, State::kFree);
+    if (scratch->get(offset) == VoxelState::kUnknown && is_in_footprint(geometry::voxel_at(block, offset))) {
+      scratch->set(offset, VoxelState::kFree);
     }
   }
   return scratch;
@@ -90,7 +90,7 @@ bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) cons
   bool is_any = false;
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     const Vec3 p_W = content_.T_W_O * geometry::center_of(geometry::voxel_at(block, offset), resolution_m());
-    if (obstacles.state(p_W) != State::kOccupied) continue;
+    if (obstacles.state(p_W) != VoxelState::kOccupied) continue;
     mask->set(offset);
     is_any = true;
   }

@@ -19,7 +19,7 @@ class NavigationView : public planning::OccupancyView {
   NavigationView(const NavigationMapConfig& config, Content content);
 
   double resolution_m() const override { return content_.local->resolution_m(); }
-  containers::State state(const geometry::Index3& voxel) const override;
+  containers::VoxelState state(const geometry::Index3& voxel) const override;
   geometry::Aabb bounds() const override { return bounds_; }
   const containers::StateBlock* block(const geometry::Index3& block, containers::StateBlock* scratch) const override;
   bool forbidden(const geometry::Index3& block, planning::BlockMask* hard, planning::BlockMask* soft) const override;

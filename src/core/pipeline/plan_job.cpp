@@ -9,7 +9,7 @@
 namespace voxnav::pipeline {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 
 /// Full corridors that end this soon are tried again with the vehicle's own radius.
@@ -52,7 +52,7 @@ SafeLength safe_length(const PlanningManagerConfig& config, const planning::Occu
 
 std::string too_short(const SafeLength& safe) {
   const Vec3& p = safe.corridor.unsafe_point;
-  const char* format = safe.corridor.unsafe_state == State::kOccupied
+  const char* format = safe.corridor.unsafe_state == VoxelState::kOccupied
                            ? "only %.1f m are safe to fly: occupied at (%.1f, %.1f, %.1f)"
                            : "only %.1f m are safe to fly: unknown at (%.1f, %.1f, %.1f)";
   return text(format, std::max(0.0, safe.length_m), p.x(), p.y(), p.z());

@@ -10,7 +10,7 @@ namespace {
 std::string place_text(const planning::CorridorResult& corridor) {
   char buffer[160];
   const geometry::Vec3& p = corridor.unsafe_point;
-  const char* state = corridor.unsafe_state == containers::State::kOccupied ? "occupied" : "unknown";
+  const char* state = corridor.unsafe_state == containers::VoxelState::kOccupied ? "occupied" : "unknown";
   std::snprintf(buffer, sizeof buffer, "not known free: %s in %.1f m at (%.1f, %.1f, %.1f)", state,
                 corridor.first_unsafe_m, p.x(), p.y(), p.z());
   return buffer;

@@ -66,9 +66,9 @@ class PlanCall {
   bool leave_start() {
     if (!costs_.is_inside(start_cell_)) return refuse(PlanStatus::kOutsideMap);
     const bool is_forbidden = config_.unknown_policy == UnknownPolicy::kForbid;
-    const State state = costs_.state(start_cell_);
-    if (state == State::kOccupied) return refuse(PlanStatus::kStartBlocked);
-    if (state == State::kUnknown && is_forbidden) return refuse(PlanStatus::kStartUnknown);
+    const VoxelState state = costs_.state(start_cell_);
+    if (state == VoxelState::kOccupied) return refuse(PlanStatus::kStartBlocked);
+    if (state == VoxelState::kUnknown && is_forbidden) return refuse(PlanStatus::kStartUnknown);
     way_out_ = {start_cell_};
     if (is_enterable(start_cell_)) return true;
     const double radius = config_.escape_distance_m / resolution_m_;
@@ -92,7 +92,7 @@ class PlanCall {
     if (is_enterable(goal_cell_)) return;
     if (goal_problem_ == PlanStatus::kComplete) {
       const bool is_unknown =
-          costs_.state(goal_cell_) == State::kUnknown && config_.unknown_policy != UnknownPolicy::kPenalise;
+          costs_.state(goal_cell_) == VoxelState::kUnknown && config_.unknown_policy != UnknownPolicy::kPenalise;
       goal_problem_ = is_unknown ? PlanStatus::kGoalUnknown : PlanStatus::kGoalBlocked;
     }
     Index3 substitute;

@@ -71,7 +71,7 @@ const StateBlock* CellCosts::states_of(const geometry::Index3& block) {
   return &states_.emplace(block, states != nullptr ? *states : StateBlock{}).first->second;
 }
 
-State CellCosts::state(const geometry::Index3& voxel) {
+VoxelState CellCosts::state(const geometry::Index3& voxel) {
   return states_of(geometry::block_of(voxel))->get(geometry::offset_in_block(voxel));
 }
 
@@ -134,11 +134,11 @@ CellCost CellCosts::unknown_cost(const geometry::Index3& voxel) const {
   return static_cast<CellCost>(std::lround(config_.unknown_cost * kUnitCost));
 }
 
-CellCost CellCosts::cost_of(const geometry::Index3& voxel, State state, bool is_near_occupied,
+CellCost CellCosts::cost_of(const geometry::Index3& voxel, VoxelState state, bool is_near_occupied,
                             float distance_sq) const {
-  if (state == State::kOccupied) return 0;
+  if (state == VoxelState::kOccupied) return 0;
   if (is_near_occupied && safety_ > 0.0 && distance_sq < safety_sq_) return 0;
-  const CellCost base = state == State::kUnknown ? unknown_cost(voxel) : kUnitCost;
+  const CellCost base = state == VoxelState::kUnknown ? unknown_cost(voxel) : kUnitCost;
   if (base == 0 || !is_near_occupied || clearance_ <= safety_) return base;
   const double lack = (clearance_ - std::sqrt(static_cast<double>(distance_sq))) / (clearance_ - safety_);
   if (lack <= 0.0) return base;

@@ -27,7 +27,7 @@ class CellCosts {
 
   void compute(const geometry::Index3& block, CostBlock* out);
   /// Returns the state of a voxel in the view, read through a cache of blocks.
-  State state(const geometry::Index3& voxel);
+  VoxelState state(const geometry::Index3& voxel);
   bool is_inside(const geometry::Index3& voxel) const;
   std::size_t memory_bytes() const { return states_.size() * (sizeof(StateBlock) + 64); }
 
@@ -38,7 +38,7 @@ class CellCosts {
   const StateBlock* states_of(const geometry::Index3& block);
   template <class Select>
   bool distances(const geometry::Index3& block, Select select, Distances* out);
-  CellCost cost_of(const geometry::Index3& voxel, State state, bool is_near_occupied, float distance_sq) const;
+  CellCost cost_of(const geometry::Index3& voxel, VoxelState state, bool is_near_occupied, float distance_sq) const;
   bool is_near_start(const geometry::Index3& voxel) const;
   bool touches_start_range(const geometry::Index3& block) const;
   CellCost unknown_cost(const geometry::Index3& voxel) const;

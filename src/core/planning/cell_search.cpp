@@ -72,8 +72,9 @@ bool nearest_enterable(SearchSpace* space, const Index3& center, double radius_c
 std::vector<Index3> escape(SearchSpace* space, CellCosts* costs, const Index3& start, double radius_cells,
                            bool may_cross_unknown, const SearchBudget& budget) {
   const auto may_cross = [&](const Index3& voxel) {
-    const State state = costs->state(voxel);
-    return costs->is_inside(voxel) && state != State::kOccupied && (may_cross_unknown || state == State::kFree);
+    const VoxelState state = costs->state(voxel);
+    return costs->is_inside(voxel) && state != VoxelState::kOccupied &&
+           (may_cross_unknown || state == VoxelState::kFree);
   };
   using Item = std::pair<double, Index3>;
   std::priority_queue<Item, std::vector<Item>, std::greater<Item>> open;

@@ -20,7 +20,7 @@ class BlockReader {
  public:
   explicit BlockReader(const OccupancyView& view) : view_(view) {}
 
-  State state(const Index3& voxel) {
+  VoxelState state(const Index3& voxel) {
     const Index3 index = geometry::block_of(voxel);
     Slot& slot = slots_[(index.x & 1) | ((index.y & 1) << 1) | ((index.z & 1) << 2)];
     if (!slot.is_used || slot.index != index) {
@@ -28,7 +28,7 @@ class BlockReader {
       slot.is_used = true;
       slot.states = view_.block(index, &slot.scratch);
     }
-    return slot.states == nullptr ? State::kUnknown : slot.states->get(geometry::offset_in_block(voxel));
+    return slot.states == nullptr ? VoxelState::kUnknown : slot.states->get(geometry::offset_in_block(voxel));
   }
 
  private:
@@ -44,7 +44,7 @@ class BlockReader {
 
 struct Touch {
   double t = 2.0;  ///< parameter on the segment from 0 to 1; above 1 = no touch
-  State state = State::kFree;
+  VoxelState state = VoxelState::kFree;
   Vec3 center;
 };
 
@@ -71,7 +71,7 @@ class PieceChecker {
           const Vec3 offset = center - piece.a;
           const double t = std::min(1.0, std::max(0.0, offset.dot(direction) * inverse_sq));
           if ((offset - t * direction).squaredNorm() >= reach * reach) continue;
-          const State state = reader_.state({x, y, z});
+          const VoxelState state = reader_.state({x, y, z});
           if (is_unsafe(state)) consider(piece, center, state, &first);
         }
       }
@@ -80,11 +80,11 @@ class PieceChecker {
   }
 
  private:
-  bool is_unsafe(State state) const {
-    return rule_ == CorridorRule::kNotOccupied ? state == State::kOccupied : state != State::kFree;
+  bool is_unsafe(VoxelState state) const {
+    return rule_ == CorridorRule::kNotOccupied ? state == VoxelState::kOccupied : state != VoxelState::kFree;
   }
 
-  void consider(const Segment& piece, const Vec3& center, State state, Touch* first) const {
+  void consider(const Segment& piece, const Vec3& center, VoxelState state, Touch* first) const {
     const Vec3 half = Vec3::Constant(0.5 * resolution_m_);
     const geometry::Aabb box{center - half, center + half};
     // If the segment up to the first known touch stays clear of this voxel, the voxel is not touched earlier.
@@ -112,7 +112,7 @@ CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>
                               CorridorRule rule) {
   CorridorResult out;
   out.is_safe = false;
-  out.unsafe_state = State::kUnknown;
+  out.unsafe_state = VoxelState::kUnknown;
   if (!is_usable(points, view.resolution_m()) || !(radius_m >= 0.0)) return out;
   for (std::size_t i = 1; i < points.size(); ++i) out.length_m += (points[i] - points[i - 1]).norm();
   // With a radius of exactly zero no distance would be below it, not even that of the voxels that the line crosses.

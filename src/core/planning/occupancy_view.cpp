@@ -6,8 +6,8 @@ namespace voxnav::planning {
 const StateBlock* OccupancyView::block(const geometry::Index3& block, StateBlock* scratch) const {
   *scratch = StateBlock{};
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const State found = state(geometry::voxel_at(block, offset));
-    if (found != State::kUnknown) scratch->set(offset, found);
+    const VoxelState found = state(geometry::voxel_at(block, offset));
+    if (found != VoxelState::kUnknown) scratch->set(offset, found);
   }
   return scratch->all_unknown() ? nullptr : scratch;
 }

@@ -15,7 +15,7 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3;
 
@@ -107,9 +107,9 @@ std::shared_ptr<const DistanceBlock> Submap::distances(const SubmapContent& cont
 
 void Submap::set_distance_cache_bytes(std::size_t bytes) { DistanceCache::set_limit_bytes(bytes); }
 
-State Submap::state(const Vec3& p_S) const {
+VoxelState Submap::state(const Vec3& p_S) const {
   const Vec3 p = (T_G_S_ * p_S) / resolution_m_;
-  if (!(p.array().abs() < kMaxIndex).all()) return State::kUnknown;
+  if (!(p.array().abs() < kMaxIndex).all()) return VoxelState::kUnknown;
   return content()->states().state(floor_index(p));
 }
 

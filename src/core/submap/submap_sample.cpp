@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "submap/content/nearest_voxel.hpp"
+#include "submap/content/nearest_point.hpp"
 #include "submap/distance/distance_cache.hpp"
 #include "submap/voxel_walk.hpp"
 #include "voxnav/submap/submap.hpp"
@@ -12,7 +12,7 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3;
 
@@ -56,15 +56,15 @@ bool Submap::sample_in(const SubmapContent& content, const Vec3& p_S, double* di
   const Index3 voxel = floor_index(p);
   const auto position = content.states().find(geometry::block_of(voxel));
   if (!position) return false;
-  const State state = content.states().state(*position, geometry::offset_in_block(voxel));
-  if (state == State::kUnknown) return false;
+  const VoxelState state = content.states().state(*position, geometry::offset_in_block(voxel));
+  if (state == VoxelState::kUnknown) return false;
   double distance = 0.0;
   Vec3 slope = Vec3::Zero();
   if (config_.certified) {
     sample_certified(content, *position, p, &distance, &slope);
   } else if (!sample_near(content, *position, p, &distance, &slope)) {
     sample_far(content, p, &distance, &slope);
-    if (state == State::kOccupied) {
+    if (state == VoxelState::kOccupied) {
       // This happens only where a projective submap ends right at the surface: the sign is that of the voxel.
       distance = -distance;
       slope = -slope;

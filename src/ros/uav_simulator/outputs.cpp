@@ -9,6 +9,7 @@
 #include "messages.hpp"
 #include "voxnav/Clearance.h"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
 namespace {
@@ -47,7 +48,7 @@ UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh,
       estimation_diagnostics_(
           nh.advertise<mrs_msgs::EstimationDiagnostics>("estimation_manager/diagnostics", 10, true)),
       manager_diagnostics_(nh.advertise<mrs_msgs::UavManagerDiagnostics>("uav_manager/diagnostics", 10, true)),
-      clearance_(private_nh.advertise<voxnav::Clearance>("clearance_out", 50)) {}
+      clearance_(private_nh.advertise<msg::Clearance>("clearance_out", 50)) {}
 
 template <class M>
 void UavOutputs::later(const ros::Publisher& publisher, const M& message) {
@@ -127,7 +128,7 @@ void UavOutputs::note_phase(const Uav& uav) {
 
 /// The ground counts as an obstacle as well, but not during take-off and landing, when the vehicle has to be near it.
 void UavOutputs::watch_clearance(const Uav& uav) {
-  voxnav::Clearance out;
+  msg::Clearance out;
   out.header = header(frames_.ground_truth());
   out.clearance_m = scene_->clearance(uav.truth().pose.translation(), config_.clearance_max_m);
   if (uav.phase() == FlightPhase::kFlying) {

@@ -8,6 +8,7 @@
 #include "pacer.hpp"
 #include "voxnav/Progress.h"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_simulation/scene.hpp"
 #include "voxnav_simulation/uav.hpp"
@@ -107,10 +108,10 @@ class UavSimulatorNodelet : public NodeletBase {
       if (event.is_problem) {
         ++num_left_behind_;
         NODELET_ERROR_STREAM("[" << node() << "]: " << event.text);
-        diagnostics().set_level(voxnav::NodeDiagnostics::ERROR, event.text);
+        diagnostics().set_level(msg::NodeDiagnostics::ERROR, event.text);
       } else {
         NODELET_WARN_STREAM("[" << node() << "]: " << event.text);
-        diagnostics().set_level(voxnav::NodeDiagnostics::OK, "");
+        diagnostics().set_level(msg::NodeDiagnostics::OK, "");
       }
     }
     diagnostics().set_counter("lockstep_left_behind", num_left_behind_);
@@ -124,7 +125,7 @@ class UavSimulatorNodelet : public NodeletBase {
     return names.empty() ? names : "lock-step: no progress yet from " + names;
   }
 
-  void on_progress(const voxnav::ProgressConstPtr& msg) {
+  void on_progress(const msg::ProgressConstPtr& msg) {
     msg->is_begun ? pacer_->begin(msg->node, to_ns(msg->stamp)) : pacer_->report(msg->node, to_ns(msg->stamp));
   }
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from voxnav.alignment.scenarios import AnyWorld
 
 
-class Flight(NamedTuple):
+class SimulatedFlight(NamedTuple):
     """A simulated flight. stamps_s: (n,) seconds; T_W_B: (n, 4, 4) true poses; T_O_B: (n, 4, 4) poses that drift;
     submaps: each with the record of the poses it was made from."""
 
@@ -66,7 +66,7 @@ def _scanner(scenario: Scenario, world: Any, seed: int) -> Callable[[Array, int]
 
 
 def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
-        before_scan: Callable[[int, int], None] | None = None) -> Flight:
+        before_scan: Callable[[int, int], None] | None = None) -> SimulatedFlight:
     """Simulates a flight through filter, local map and submaps. Deterministic. before_scan(i, n) is called before scan
     i of n and may change the world."""
     world = world or world_of(scenario, seed)
@@ -84,7 +84,7 @@ def fly(scenario: Scenario, seed: int, world: AnyWorld | None = None,
         local_map.insert(np.ascontiguousarray(points[:, :3]), T_O_B[i])
         submaps += _filled(scheduler.add_scan(local_map, float(stamp), T_O_B[i]))
     submaps += _filled(scheduler.finish(local_map))
-    return Flight(stamps, T_W_B, T_O_B, submaps)
+    return SimulatedFlight(stamps, T_W_B, T_O_B, submaps)
 
 
 def _filled(handovers: Iterable[voxnav.Handover]) -> list[tuple[SubmapRecord, voxnav.Submap]]:
@@ -93,7 +93,7 @@ def _filled(handovers: Iterable[voxnav.Handover]) -> list[tuple[SubmapRecord, vo
              voxnav.Submap.from_content(h.content, np.linalg.inv(h.T_O_S))) for h in handovers if h.is_final]
 
 
-def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
+def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> SimulatedFlight:
     """Returns a flight of fly(), kept in a folder between runs. Delete the folder when the mapping pipeline changes."""
     if not folder:
         return fly(scenario, seed)
@@ -107,5 +107,5 @@ def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> Flight:
         os.replace(path + ".part", path)
     with open(path, "rb") as source:
         stamps_s, T_W_B, T_O_B, kept = pickle.load(source)
-    return Flight(stamps_s, T_W_B, T_O_B,
-                  [(SubmapRecord(*record), voxnav.Submap.from_bytes(submap)) for record, submap in kept])
+    return SimulatedFlight(stamps_s, T_W_B, T_O_B,
+                           [(SubmapRecord(*record), voxnav.Submap.from_bytes(submap)) for record, submap in kept])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import voxnav
-from voxnav.alignment.flight import Flight
+from voxnav.alignment.flight import SimulatedFlight
 from voxnav.array_types import Array
 from voxnav.evaluation import align_se3
 from voxnav.optimizer_session import OptimizerSession
@@ -53,7 +53,7 @@ def errors_of(T_est: Array, T_true: Array) -> Errors:
                   float(np.linalg.norm(rooted[-1] - q[-1])))
 
 
-def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
+def solve(flight: SimulatedFlight, graph_config: voxnav.SubmapGraphConfig | None = None,
           optimizer_config: voxnav.OptimizerConfig | None = None) -> Solved:
     """Adds the submaps to an optimiser session one after another and solves after each one, as in flight."""
     session, reports, worst_m = OptimizerSession(graph_config, optimizer_config), [], -np.inf
@@ -67,7 +67,7 @@ def solve(flight: Flight, graph_config: voxnav.SubmapGraphConfig | None = None,
     return Solved(stamps, poses, flight.T_W_B[rows], before, after, session, reports, worst_m)
 
 
-def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
+def merged_surface(flight: SimulatedFlight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
     """Returns (n, 3) surface points of the merged map in frame W, as users of the map see it."""
     collection = voxnav.SubmapCollection()
     for record, submap in flight.submaps:
@@ -75,7 +75,7 @@ def merged_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[in
     return collection.occupied_points().astype(np.float64)
 
 
-def own_surface(flight: Flight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
+def own_surface(flight: SimulatedFlight, T_W_S_by_id: dict[int, Array], bends: dict[int, Array]) -> Array:
     """Returns (n, 3) surface points in frame W that the submaps observed, which move with the poses of the submaps."""
     parts = []
     for record, submap in flight.submaps:

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from voxnav.alignment.flight import Flight
+from voxnav.alignment.flight import SimulatedFlight
 from voxnav.alignment.measure import Solved
 from voxnav.array_types import Array
 from voxnav.evaluation import align_se3
 from voxnav.plotting import pyplot
 
 
-def draw_errors(path: str, title: str, flight: Flight, solved: Solved) -> None:
+def draw_errors(path: str, title: str, flight: SimulatedFlight, solved: Solved) -> None:
     """Draws the tracks from above, and the error of each axis over time before and after the solve."""
     figure, axes = pyplot().subplots(1, 2, figsize=(13, 5))
     rows = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6)

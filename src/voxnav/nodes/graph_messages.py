@@ -31,7 +31,7 @@ def seconds_of(stamp):
 
 
 def record_from_msg(msg):
-    """Returns the SubmapRecord of a voxnav/Submap. Raises ValueError if poses or stamps are not usable."""
+    """Returns the SubmapRecord of a voxnav/FinishedSubmap. Raises ValueError if poses or stamps are not usable."""
     if len(msg.pose_stamps) != len(msg.T_S_B):
         raise ValueError("submap %d has %d stamps for %d poses" % (msg.submap_id, len(msg.pose_stamps), len(msg.T_S_B)))
     stamps = np.array([seconds_of(stamp) for stamp in msg.pose_stamps])

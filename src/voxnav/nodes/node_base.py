@@ -9,8 +9,7 @@ import time
 import rospy
 
 import voxnav
-from voxnav.msg import NodeDiagnostics
-from voxnav.msg import StageStatistics as StageStatisticsMsg
+from voxnav.msg import NodeDiagnostics, StageSummary
 
 
 class Diagnostics:
@@ -71,7 +70,7 @@ class Diagnostics:
             for name, stage in self._stages.items():
                 numbers = stage.summary()
                 numbers.pop("median_ms")
-                out.stages.append(StageStatisticsMsg(name=name, **numbers))
+                out.stages.append(StageSummary(name=name, **numbers))
         return out
 
 

@@ -23,7 +23,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
 import voxnav
-from voxnav.msg import LoopClosure, NodeDiagnostics, OptimizerReport, Submap, SubmapPoses
+from voxnav.msg import FinishedSubmap, LoopClosure, NodeDiagnostics, OptimizerReport, SubmapPoses
 from voxnav.nodes import graph_messages
 from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
@@ -76,7 +76,7 @@ class SubmapOptimizer:
         threading.Thread(target=self._broadcast, name="tf", daemon=True).start()
 
     def _subscribe(self):
-        rospy.Subscriber("~submap_in", Submap, self._on_submap, queue_size=50)
+        rospy.Subscriber("~submap_in", FinishedSubmap, self._on_submap, queue_size=50)
         rospy.Subscriber("~loop_closure_in", LoopClosure, self._on_loop, queue_size=50)
         rospy.Subscriber("~height_in", Float64Stamped, self._on_height, queue_size=50)
         if self._config.gnss_type == voxnav.GnssType.ODOMETRY:

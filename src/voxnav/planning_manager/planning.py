@@ -10,7 +10,7 @@ from voxnav._core import PlanOutcome, PlanStatus
 from voxnav.planning_manager.actions import Generate, Plan
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Progress,
+from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Advance,
                                             Publishing, Searching, State)
 from voxnav.planning_manager.stopping import drop_goal, lose, repeat_hover, stop, taken_over, watch
 
@@ -65,7 +65,7 @@ def with_progress(state: Active, facts: Facts) -> Active:
     position = facts.vehicle.position_O
     if state.progress is not None and np.linalg.norm(position - state.progress.position_O) < PROGRESS_M:
         return state
-    return replace(state, progress=Progress(position, facts.now_s))
+    return replace(state, progress=Advance(position, facts.now_s))
 
 
 def is_stuck(state: Active, facts: Facts) -> bool:

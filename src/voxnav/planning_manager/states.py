@@ -87,7 +87,7 @@ Job = Union[Searching, Generating, Publishing]
 
 
 @dataclass(frozen=True, eq=False)
-class Progress:
+class Advance:
     """The position of the last progress, and its time."""
 
     position_O: Array
@@ -112,7 +112,7 @@ class Planning:
     plan_from_s: float  # no search begins earlier
     job: Optional[Job] = None
     flight: Optional[Flight] = None
-    progress: Optional[Progress] = None
+    progress: Optional[Advance] = None
     hover: Optional[OwnHover] = None
 
 
@@ -125,7 +125,7 @@ class Moving:
     flight: Flight
     plan_from_s: float
     job: Optional[Job] = None
-    progress: Optional[Progress] = None
+    progress: Optional[Advance] = None
 
 
 Active = Union[Planning, Moving]

@@ -7,8 +7,8 @@
 
 using namespace voxnav;  // NOLINT: test
 using containers::GridUpdate;
-using containers::State;
 using containers::StateGrid;
+using containers::VoxelState;
 
 namespace {
 
@@ -17,7 +17,7 @@ StateGrid random_grid(unsigned seed) {
   std::mt19937 rng(seed);
   std::uniform_int_distribution<int> coordinate(-40, 40);
   for (int i = 0; i < 5000; ++i) {
-    grid.set({coordinate(rng), coordinate(rng), coordinate(rng)}, static_cast<State>(rng() % 3));
+    grid.set({coordinate(rng), coordinate(rng), coordinate(rng)}, static_cast<VoxelState>(rng() % 3));
   }
   return grid;
 }
@@ -43,7 +43,7 @@ TEST(GridUpdate, ChangesCarryNewAndRemovedBlocks) {
   StateGrid source = random_grid(1);
   StateGrid copy = source;
   source.erase_block({0, 0, 0});
-  source.set({20, -20, 3}, State::kOccupied);
+  source.set({20, -20, 3}, VoxelState::kOccupied);
   containers::apply(containers::changes_of(source, {{0, 0, 0}, {1, -2, 0}}), &copy);
   expect_equal(source, copy);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "voxnav/graph/trajectory.hpp"
+#include "voxnav/graph/correct_trajectory.hpp"
 
 using namespace voxnav;         // NOLINT: test
 using namespace voxnav::graph;  // NOLINT: test

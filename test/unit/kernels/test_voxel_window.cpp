@@ -24,7 +24,7 @@ struct RandomWindow {
   std::vector<std::uint32_t> occupied = free;
   std::vector<std::uint16_t> first = std::vector<std::uint16_t>(kWindowSide * kWindowSide);
   std::vector<kernels::WindowPoint> points;
-  std::vector<kernels::WindowVoxel> voxels;
+  std::vector<geometry::Index3> voxels;
 
   RandomWindow(unsigned seed, float clutter) {
     std::mt19937 rng(seed);
@@ -55,11 +55,11 @@ struct RandomWindow {
     const float px = static_cast<float>(x) + off, py = static_cast<float>(y) - 0.5f * off;
     const float pz = static_cast<float>(z) + 0.9f * off;
     points.push_back({px, py, pz, 1.0f, py, pz, px, 0.0f});
-    voxels.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)});
+    voxels.push_back({x, y, z});
   }
 };
 
-bool is_inside(const kernels::WindowVoxel& v) {
+bool is_inside(const geometry::Index3& v) {
   const auto is_in = [](int c) { return c >= -1 && c <= kWindowBlockSide; };
   return is_in(v.x) && is_in(v.y) && is_in(v.z);
 }
@@ -88,7 +88,7 @@ TEST(Neighborhood, SumsAndPlanesEqualTheReference) {
     int num_planes = 0, num_others = 0;
     for (unsigned seed = 0; seed < 6; ++seed) {
       const RandomWindow window(seed, 0.01f * static_cast<float>(seed));
-      std::array<kernels::WindowVoxel, kernels::kTogether> asked;
+      std::array<geometry::Index3, kernels::kTogether> asked;
       std::size_t count = 0;
       for (const auto& voxel : window.voxels) {
         if (!is_inside(voxel)) continue;

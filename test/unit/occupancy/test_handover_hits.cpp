@@ -5,7 +5,7 @@
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 using occupancy::LocalMap;
 using occupancy::MapContent;
@@ -42,12 +42,12 @@ std::size_t num_own(const MapContent& content) {
   return count;
 }
 
-State state_at(const MapContent& content, const Vec3& p) {
+VoxelState state_at(const MapContent& content, const Vec3& p) {
   const geometry::Index3 voxel = geometry::index_of(p, content.resolution_m);
   for (const auto& block : content.blocks) {
     if (block.index == geometry::block_of(voxel)) return block.states.get(geometry::offset_in_block(voxel));
   }
-  return State::kUnknown;
+  return VoxelState::kUnknown;
 }
 
 bool is_observed_free(const MapContent& content, const Vec3& p) {
@@ -158,7 +158,7 @@ TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
   const MapContent after = map.hand_over();
   EXPECT_TRUE(is_observed_free(after, {3.0, 0.2, 0.2}));
   EXPECT_FALSE(is_observed_free(after, {0.2, 3.0, 0.2}));
-  EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), State::kFree);  // remembered nevertheless
+  EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), VoxelState::kFree);  // remembered nevertheless
   EXPECT_FALSE(is_observed_free(map.content(), {3.0, 0.2, 0.2}));
 }
 
@@ -169,7 +169,7 @@ TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
   map.hand_over();
   insert_from(&map, kOrigin, {place});
   const MapContent content = map.hand_over();
-  ASSERT_EQ(state_at(content, place), State::kFree);
+  ASSERT_EQ(state_at(content, place), VoxelState::kFree);
   EXPECT_FALSE(is_observed_free(content, place));
   EXPECT_TRUE(is_observed_free(content, {2.0, 0.2, 0.2}));
 }

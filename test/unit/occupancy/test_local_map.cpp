@@ -11,7 +11,7 @@
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 using occupancy::LocalMap;
 using occupancy::LocalMapConfig;
@@ -27,7 +27,7 @@ LocalMapConfig small_config() {
   return config;
 }
 
-int scans_until(LocalMap* map, const Vec3& seen, const Vec3& at, State wanted, bool equal = true) {
+int scans_until(LocalMap* map, const Vec3& seen, const Vec3& at, VoxelState wanted, bool equal = true) {
   for (int n = 1; n < 50; ++n) {
     insert_from(map, kOrigin, {seen});
     if ((map->state(at) == wanted) == equal) return n;
@@ -41,23 +41,23 @@ TEST(LocalMap, HitAndMissCountsFollowTheReferenceTable) {
   const Vec3 near(5.0, 0.2, 0.2);
   const Vec3 behind(10.0, 0.2, 0.2);
   LocalMap map(small_config());
-  EXPECT_EQ(scans_until(&map, near, near, State::kOccupied), 2);
+  EXPECT_EQ(scans_until(&map, near, near, VoxelState::kOccupied), 2);
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {near});
   LocalMap copy = LocalMap::from_bytes(map.to_bytes());
-  EXPECT_EQ(scans_until(&copy, behind, near, State::kOccupied, false), 6);
-  EXPECT_EQ(scans_until(&map, behind, near, State::kFree), 11);
+  EXPECT_EQ(scans_until(&copy, behind, near, VoxelState::kOccupied, false), 6);
+  EXPECT_EQ(scans_until(&map, behind, near, VoxelState::kFree), 11);
   for (int i = 0; i < 20; ++i) insert_from(&map, kOrigin, {behind});
-  EXPECT_EQ(scans_until(&map, near, near, State::kOccupied), 4);
+  EXPECT_EQ(scans_until(&map, near, near, VoxelState::kOccupied), 4);
 
   LocalMap fresh(small_config());
-  EXPECT_EQ(scans_until(&fresh, behind, near, State::kFree), 3);
+  EXPECT_EQ(scans_until(&fresh, behind, near, VoxelState::kFree), 3);
 }
 
 TEST(LocalMap, HitsWinWithinOneScan) {
   LocalMap map(small_config());
   const Vec3 near(5.0, 0.2, 0.2);
   for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {near, Vec3(10.0, 0.2, 0.2), Vec3(8.0, 0.21, 0.2)});
-  EXPECT_EQ(map.state(near), State::kOccupied);
+  EXPECT_EQ(map.state(near), VoxelState::kOccupied);
   EXPECT_NEAR(*map.log_odds(near), occupancy::log_odds_of(0.971), 0.05);
 }
 
@@ -75,9 +75,9 @@ TEST(LocalMap, RaysBesideAThinPoleDoNotEraseIt) {
   const Vec3 pole(8.05, 0.05, 0.2);
   for (int i = 0; i < 4; ++i) insert_from(&map, kOrigin, {pole});
   for (int i = 0; i < 100; ++i) insert_from(&map, kOrigin, {Vec3(12.0, 0.35, 0.2)});
-  EXPECT_EQ(map.state(pole), State::kOccupied);
+  EXPECT_EQ(map.state(pole), VoxelState::kOccupied);
   for (int i = 0; i < 20; ++i) insert_from(&map, kOrigin, {kOrigin + 1.5 * (pole - kOrigin)});
-  EXPECT_EQ(map.state(pole), State::kFree) << "seen straight through it is gone within 2 s at 10 Hz";
+  EXPECT_EQ(map.state(pole), VoxelState::kFree) << "seen straight through it is gone within 2 s at 10 Hz";
 }
 
 TEST(LocalMap, RaysOverASlopedGroundDoNotEraseIt) {
@@ -89,7 +89,7 @@ TEST(LocalMap, RaysOverASlopedGroundDoNotEraseIt) {
   for (double x = 14.0; x < 18.0; x += 0.5) farther_ground.emplace_back(x, 0.2, 0.05);
   for (int i = 0; i < 4; ++i) insert_from(&map, sensor, near_ground);
   for (int i = 0; i < 100; ++i) insert_from(&map, sensor, farther_ground);
-  for (double x = 6.1; x < 14.0; x += 0.4) EXPECT_EQ(map.state(Vec3(x, 0.2, 0.05)), State::kOccupied) << x;
+  for (double x = 6.1; x < 14.0; x += 0.4) EXPECT_EQ(map.state(Vec3(x, 0.2, 0.05)), VoxelState::kOccupied) << x;
 }
 
 TEST(LocalMap, BadPointsAreCountedAndChangeNothing) {
@@ -112,12 +112,12 @@ TEST(LocalMap, FarPointsClearUpToTheLongestRayOnly) {
   config.max_range_m = 10.0;
   LocalMap map(config);
   for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, {Vec3(60.2, 0.2, 0.2)});
-  EXPECT_EQ(map.state(Vec3(9.8, 0.2, 0.2)), State::kFree);
-  EXPECT_EQ(map.state(Vec3(10.8, 0.2, 0.2)), State::kUnknown);
+  EXPECT_EQ(map.state(Vec3(9.8, 0.2, 0.2)), VoxelState::kFree);
+  EXPECT_EQ(map.state(Vec3(10.8, 0.2, 0.2)), VoxelState::kUnknown);
   config.clear_beyond_range = false;
   LocalMap strict(config);
   for (int i = 0; i < 3; ++i) insert_from(&strict, kOrigin, {Vec3(60.2, 0.2, 0.2)});
-  EXPECT_EQ(strict.state(Vec3(5.0, 0.2, 0.2)), State::kUnknown);
+  EXPECT_EQ(strict.state(Vec3(5.0, 0.2, 0.2)), VoxelState::kUnknown);
 }
 
 TEST(LocalMap, BeamsWithoutReturnNeverTouchAnOccupiedVoxel) {
@@ -128,9 +128,9 @@ TEST(LocalMap, BeamsWithoutReturnNeverTouchAnOccupiedVoxel) {
   for (int i = 0; i < 2; ++i) insert_from(&map, kOrigin, {wall});
   const std::vector<geometry::Vec3f> directions{{1.0f, 0.0f, 0.0f}};
   for (int i = 0; i < 30; ++i) map.insert({}, test::at(0.2, 0.2, 0.2), geometry::view_of(directions));
-  EXPECT_EQ(map.state(wall), State::kOccupied);
-  EXPECT_EQ(map.state(Vec3(7.0, 0.2, 0.2)), State::kFree);
-  EXPECT_EQ(map.state(Vec3(9.0, 0.2, 0.2)), State::kUnknown);
+  EXPECT_EQ(map.state(wall), VoxelState::kOccupied);
+  EXPECT_EQ(map.state(Vec3(7.0, 0.2, 0.2)), VoxelState::kFree);
+  EXPECT_EQ(map.state(Vec3(9.0, 0.2, 0.2)), VoxelState::kUnknown);
 }
 
 TEST(LocalMap, MeanHitPointsLieOnTheSurface) {
@@ -150,21 +150,21 @@ TEST(LocalMap, FootprintBecomesFreeButNeverErasesAnObstacle) {
   const Vec3 obstacle(0.6, 0.2, 0.2);
   for (int i = 0; i < 2; ++i) insert_from(&map, Vec3(-3.0, 0.2, 0.2), {obstacle});
   EXPECT_GT(map.mark_free(kOrigin, 1.0), 20u);
-  EXPECT_EQ(map.state(obstacle), State::kOccupied);
-  EXPECT_EQ(map.state(Vec3(0.2, 0.6, -0.2)), State::kFree);
-  EXPECT_EQ(map.state(Vec3(0.2, 1.8, 0.2)), State::kUnknown);
+  EXPECT_EQ(map.state(obstacle), VoxelState::kOccupied);
+  EXPECT_EQ(map.state(Vec3(0.2, 0.6, -0.2)), VoxelState::kFree);
+  EXPECT_EQ(map.state(Vec3(0.2, 1.8, 0.2)), VoxelState::kUnknown);
 }
 
 TEST(LocalMap, ThresholdsChangeAtRunTime) {
   LocalMap map(small_config());
   const Vec3 p(5.0, 0.2, 0.2);
   insert_from(&map, kOrigin, {p});
-  EXPECT_EQ(map.state(p), State::kUnknown);
-  EXPECT_EQ(map.box_state({p, p}), State::kUnknown);
+  EXPECT_EQ(map.state(p), VoxelState::kUnknown);
+  EXPECT_EQ(map.box_state({p, p}), VoxelState::kUnknown);
   map.set_thresholds(0.45, 0.6);
-  EXPECT_EQ(map.state(p), State::kOccupied);
-  EXPECT_EQ(map.box_state({p, p}), State::kOccupied);
-  EXPECT_EQ(map.box_state({Vec3(2, 0.2, 0.2), Vec3(3, 0.2, 0.2)}), State::kFree);
+  EXPECT_EQ(map.state(p), VoxelState::kOccupied);
+  EXPECT_EQ(map.box_state({p, p}), VoxelState::kOccupied);
+  EXPECT_EQ(map.box_state({Vec3(2, 0.2, 0.2), Vec3(3, 0.2, 0.2)}), VoxelState::kFree);
   EXPECT_THROW(map.set_thresholds(0.5, 0.5), base::ConfigError);
 }
 

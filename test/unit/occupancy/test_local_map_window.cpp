@@ -5,8 +5,8 @@
 #include "scan_maker.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
 using containers::StateGrid;
+using containers::VoxelState;
 using geometry::Vec3;
 using occupancy::LocalMap;
 using occupancy::LocalMapConfig;
@@ -39,7 +39,7 @@ TEST(LocalMapWindow, WhatLeavesTheWindowIsHandedOutOnce) {
   const auto away = insert_from(&map, Vec3(30.2, 0.2, 0.2), {});
   EXPECT_GT(away.cells_evicted, 0u);
   EXPECT_FALSE(away.window_cleared);
-  EXPECT_EQ(map.state(post), State::kUnknown);
+  EXPECT_EQ(map.state(post), VoxelState::kUnknown);
   const occupancy::MapContent out = map.take_evicted();
   ASSERT_EQ(out.num_occupied(), 1u);
   for (const auto& block : out.blocks) {

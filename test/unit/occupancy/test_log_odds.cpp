@@ -47,10 +47,10 @@ TEST(LogOdds, ThresholdsThemselvesAreUnknown) {
   config.free_threshold = config.prob_miss;
   const LogOddsScale scale = LogOddsScale::from(config);
   const StateLevels levels(scale, config.free_threshold, config.occupied_threshold);
-  EXPECT_EQ(levels.of(scale.prior + scale.hit), containers::State::kUnknown);
-  EXPECT_EQ(levels.of(scale.prior + scale.hit + 1), containers::State::kOccupied);
-  EXPECT_EQ(levels.of(scale.prior - scale.miss), containers::State::kUnknown);
-  EXPECT_EQ(levels.of(scale.prior - 2 * scale.miss), containers::State::kFree);
+  EXPECT_EQ(levels.of(scale.prior + scale.hit), containers::VoxelState::kUnknown);
+  EXPECT_EQ(levels.of(scale.prior + scale.hit + 1), containers::VoxelState::kOccupied);
+  EXPECT_EQ(levels.of(scale.prior - scale.miss), containers::VoxelState::kUnknown);
+  EXPECT_EQ(levels.of(scale.prior - 2 * scale.miss), containers::VoxelState::kFree);
 }
 
 TEST(LocalMapConfig, WindowsThatDoNotFitMemoryAreRefusedWithTheFigure) {

@@ -7,7 +7,7 @@
 #include "voxnav/occupancy/map_content.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using occupancy::ContentBlock;
 using occupancy::MapContent;
 
@@ -33,10 +33,10 @@ MapContent random_content(unsigned seed) {
     ContentBlock block;
     block.index = {x, 1, 0};
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      const State state = static_cast<State>(rng() % 3);
+      const VoxelState state = static_cast<VoxelState>(rng() % 3);
       block.states.set(offset, state);
-      if (state == State::kFree && rng() % 3 == 0) set_observed_free(offset, &block);
-      if (state != State::kOccupied) continue;
+      if (state == VoxelState::kFree && rng() % 3 == 0) set_observed_free(offset, &block);
+      if (state != VoxelState::kOccupied) continue;
       const auto signed_byte = [&] { return static_cast<std::int8_t>(static_cast<int>(rng() % 255) - 127); };
       occupancy::OccupiedVoxel leaf{
           static_cast<std::uint16_t>(offset),
@@ -50,11 +50,11 @@ MapContent random_content(unsigned seed) {
   return content;
 }
 
-State state_of(const MapContent& content, const geometry::Index3& index, int offset) {
+VoxelState state_of(const MapContent& content, const geometry::Index3& index, int offset) {
   for (const ContentBlock& block : content.blocks) {
     if (block.index == index) return block.states.get(offset);
   }
-  return State::kUnknown;
+  return VoxelState::kUnknown;
 }
 
 }  // namespace
@@ -86,10 +86,10 @@ TEST(MapContent, MergePrefersWhatTheNewerKnows) {
   merged.merge(newer);
   for (int x = -2; x < 2; ++x) {
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      const State newest = state_of(newer, {x, 1, 0}, offset);
-      const State expected = newest == State::kUnknown ? state_of(older, {x, 1, 0}, offset) : newest;
+      const VoxelState newest = state_of(newer, {x, 1, 0}, offset);
+      const VoxelState expected = newest == VoxelState::kUnknown ? state_of(older, {x, 1, 0}, offset) : newest;
       ASSERT_EQ(state_of(merged, {x, 1, 0}, offset), expected);
-      const MapContent& source = newest == State::kUnknown ? older : newer;
+      const MapContent& source = newest == VoxelState::kUnknown ? older : newer;
       ASSERT_EQ(is_observed_free(merged, {x, 1, 0}, offset), is_observed_free(source, {x, 1, 0}, offset));
     }
   }
@@ -100,7 +100,7 @@ TEST(MapContent, OwnFreeSpaceThatIsNotFreeIsRefused) {
   MapContent content = random_content(1);
   ContentBlock& block = content.blocks.front();
   int offset = 0;
-  while (block.states.get(offset) == State::kFree) ++offset;
+  while (block.states.get(offset) == VoxelState::kFree) ++offset;
   set_observed_free(offset, &block);
   EXPECT_THROW(MapContent::from_bytes(content.to_bytes()), std::invalid_argument);
 }

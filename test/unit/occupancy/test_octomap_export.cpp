@@ -10,7 +10,7 @@
 #include "voxnav/occupancy/octomap_export.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 
 namespace {
@@ -24,10 +24,10 @@ occupancy::LocalMap some_map() {
   return map;
 }
 
-State state_in(const octomap::OcTree& tree, const Vec3& p) {
+VoxelState state_in(const octomap::OcTree& tree, const Vec3& p) {
   const octomap::OcTreeNode* node = tree.search(p.x(), p.y(), p.z());
-  if (node == nullptr) return State::kUnknown;
-  return node->getLogOdds() > 0.0f ? State::kOccupied : State::kFree;
+  if (node == nullptr) return VoxelState::kUnknown;
+  return node->getLogOdds() > 0.0f ? VoxelState::kOccupied : VoxelState::kFree;
 }
 
 void expect_same(const octomap::OcTree& tree, const occupancy::LocalMap& map) {
@@ -98,5 +98,5 @@ TEST(OctomapExport, ImportKeepsToTheWindow) {
   std::remove(path.c_str());
   EXPECT_EQ(read.config().resolution_m, 0.2);
   EXPECT_EQ(read.centers_above(0.8).size(), 3u);
-  EXPECT_EQ(read.state(Vec3(0.1, 0.1, 0.1)), State::kOccupied);
+  EXPECT_EQ(read.state(Vec3(0.1, 0.1, 0.1)), VoxelState::kOccupied);
 }

@@ -49,7 +49,7 @@ void feed_imu(const Motion& motion, double from_s, double to_s, LidarOdometry* o
 OdometryResult add_scan(const RoomWorld& world, const Motion& motion, int index, LidarOdometry* o,
                         bool with_times = true) {
   const double t = index * 0.1;
-  const test::Sweep sweep = test::sweep_of(world, motion, t, 0.01, static_cast<std::uint32_t>(index));
+  const test::RoomSweep sweep = test::sweep_of(world, motion, t, 0.01, static_cast<std::uint32_t>(index));
   return o->add_cloud(stamp_of(t), sweep.points_L, with_times ? sweep.times_s : std::vector<float>());
 }
 

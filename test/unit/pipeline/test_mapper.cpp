@@ -23,7 +23,7 @@ base::StampNs stamp_of(double t) { return base::from_seconds(1000.0 + t); }
 Pose line(double t) { return geometry::from_position_yaw(Vec3(1.5 * t, 0, 0), 0.4 * t); }
 
 cloud::Sweep sweep_at(double t, const Motion& motion = line) {
-  const test::Sweep seen = test::sweep_of(RoomWorld::hall(), motion, t, 0.0, 1);
+  const test::RoomSweep seen = test::sweep_of(RoomWorld::hall(), motion, t, 0.0, 1);
   cloud::Sweep out;
   out.stamp_ns = out.start_ns = stamp_of(t);
   out.points = seen.points_L;

@@ -15,13 +15,13 @@ geometry::Pose tilted(double x, double yaw_rad) {
   return pose;
 }
 
-occupancy::MapContent content_at(int block, containers::State state) {
+occupancy::MapContent content_at(int block, containers::VoxelState state) {
   occupancy::MapContent content;
   content.resolution_m = 0.4;
   occupancy::ContentBlock one;
   one.index = {block, 0, 0};
   one.states.set(5, state);
-  if (state == containers::State::kOccupied) one.occupied.push_back({5, {{0, 0, 0}, 1}});
+  if (state == containers::VoxelState::kOccupied) one.occupied.push_back({5, {{0, 0, 0}, 1}});
   content.blocks.push_back(one);
   return content;
 }
@@ -38,7 +38,7 @@ TEST(SubmapScheduler, ClosesOnTimeWithGravityAlignedFrameAndHistory) {
   }
   EXPECT_EQ(*reason, "time");
   EXPECT_EQ(scans, 101);
-  const auto handover = scheduler.close(*reason, content_at(0, containers::State::kFree));
+  const auto handover = scheduler.close(*reason, content_at(0, containers::VoxelState::kFree));
   ASSERT_TRUE(handover);
   EXPECT_TRUE(handover->is_final);
   EXPECT_EQ(handover->poses.size(), 101u);
@@ -90,13 +90,13 @@ TEST(SubmapScheduler, OldScansAreIgnoredAndTheHistoryIsBounded) {
 TEST(SubmapScheduler, EvictedContentIsMergedUnderTheNewest) {
   SubmapScheduler scheduler(SubmapSchedulerConfig{});
   scheduler.add_scan(0, tilted(0.0, 0.0));
-  scheduler.add_evicted(content_at(0, containers::State::kOccupied));
-  scheduler.add_evicted(content_at(3, containers::State::kOccupied));
+  scheduler.add_evicted(content_at(0, containers::VoxelState::kOccupied));
+  scheduler.add_evicted(content_at(3, containers::VoxelState::kOccupied));
   EXPECT_FALSE(scheduler.take_early());
-  const auto handover = scheduler.close("time", content_at(0, containers::State::kFree));
+  const auto handover = scheduler.close("time", content_at(0, containers::VoxelState::kFree));
   ASSERT_EQ(handover->content.blocks.size(), 2u);
-  EXPECT_EQ(handover->content.blocks[0].states.get(5), containers::State::kFree);
-  EXPECT_EQ(handover->content.blocks[1].states.get(5), containers::State::kOccupied);
+  EXPECT_EQ(handover->content.blocks[0].states.get(5), containers::VoxelState::kFree);
+  EXPECT_EQ(handover->content.blocks[1].states.get(5), containers::VoxelState::kOccupied);
 }
 
 TEST(SubmapScheduler, TooMuchEvictedContentGoesEarly) {
@@ -104,7 +104,7 @@ TEST(SubmapScheduler, TooMuchEvictedContentGoesEarly) {
   config.max_early_blocks = 3;
   SubmapScheduler scheduler(config);
   scheduler.add_scan(0, tilted(0.0, 0.0));
-  for (int i = 0; i < 4; ++i) scheduler.add_evicted(content_at(i, containers::State::kFree));
+  for (int i = 0; i < 4; ++i) scheduler.add_evicted(content_at(i, containers::VoxelState::kFree));
   const auto early = scheduler.take_early();
   ASSERT_TRUE(early);
   EXPECT_FALSE(early->is_final);

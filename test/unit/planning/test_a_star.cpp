@@ -6,7 +6,7 @@
 #include "voxnav/planning/corridor.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 using planning::AStarConfig;
 using planning::PlanStatus;
@@ -40,7 +40,7 @@ TEST(AStar, StraightLineInEmptySpaceExpandsOnlyThePath) {
 
 TEST(AStar, DiagonalsDoNotCutCorners) {
   const auto grid = test::box_grid({0, 0, 0}, {2, 2, 0});
-  grid->set({1, 0, 0}, State::kOccupied);
+  grid->set({1, 0, 0}, VoxelState::kOccupied);
   const auto result = plan(grid, raw_config(), {0.5, 0.5, 0.5}, {1.5, 1.5, 0.5});
   EXPECT_EQ(result.status, PlanStatus::kComplete);
   EXPECT_DOUBLE_EQ(result.cost_m, 2.0);
@@ -48,14 +48,14 @@ TEST(AStar, DiagonalsDoNotCutCorners) {
 
 TEST(AStar, SpaceDiagonalNeedsAllEightCells) {
   const auto grid = test::box_grid({0, 0, 0}, {1, 1, 1});
-  grid->set({1, 1, 0}, State::kOccupied);
+  grid->set({1, 1, 0}, VoxelState::kOccupied);
   const auto result = plan(grid, raw_config(), {0.5, 0.5, 0.5}, {1.5, 1.5, 1.5});
   EXPECT_NEAR(result.cost_m, 1.0 + std::sqrt(2.0), 1e-12);
 }
 
 TEST(AStar, UnknownIsForbiddenUnlessThePolicySaysOtherwise) {
   const auto grid = test::box_grid({0, 0, 0}, {20, 4, 4});
-  test::fill(grid.get(), {8, 0, 0}, {10, 4, 4}, State::kUnknown);
+  test::fill(grid.get(), {8, 0, 0}, {10, 4, 4}, VoxelState::kUnknown);
   AStarConfig config = raw_config();
   auto result = plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5});
   EXPECT_EQ(result.status, PlanStatus::kPartialBlocked);
@@ -73,7 +73,7 @@ TEST(AStar, UnknownIsForbiddenUnlessThePolicySaysOtherwise) {
 
 TEST(AStar, GoalInsideAnObstacleLeadsNearIt) {
   const auto grid = test::box_grid({0, 0, 0}, {40, 20, 20});
-  test::fill(grid.get(), {28, 8, 8}, {32, 12, 12}, State::kOccupied);
+  test::fill(grid.get(), {28, 8, 8}, {32, 12, 12}, VoxelState::kOccupied);
   const auto result = plan(grid, raw_config(), {2.5, 10.5, 10.5}, {30.5, 10.5, 10.5});
   EXPECT_EQ(result.status, PlanStatus::kGoalBlocked);
   EXPECT_TRUE(result.is_partial);
@@ -90,8 +90,8 @@ TEST(AStar, GoalOutsideTheMapLeadsTowardsIt) {
 
 TEST(AStar, StartIsNamedWhenItCannotBeUsed) {
   const auto grid = test::box_grid({0, 0, 0}, {15, 15, 15});
-  grid->set({5, 5, 5}, State::kOccupied);
-  grid->set({9, 9, 9}, State::kUnknown);
+  grid->set({5, 5, 5}, VoxelState::kOccupied);
+  grid->set({9, 9, 9}, VoxelState::kUnknown);
   const Vec3 goal(2.5, 2.5, 2.5);
   EXPECT_EQ(plan(grid, raw_config(), {5.5, 5.5, 5.5}, goal).status, PlanStatus::kStartBlocked);
   EXPECT_EQ(plan(grid, raw_config(), {9.5, 9.5, 9.5}, goal).status, PlanStatus::kStartUnknown);
@@ -103,7 +103,7 @@ TEST(AStar, StartIsNamedWhenItCannotBeUsed) {
 
 TEST(AStar, StartTooNearToAnObstacleIsLeftWithoutTouchingIt) {
   const auto grid = test::box_grid({0, 0, 0}, {40, 20, 20});
-  test::fill(grid.get(), {0, 0, 0}, {40, 4, 20}, State::kOccupied);
+  test::fill(grid.get(), {0, 0, 0}, {40, 4, 20}, VoxelState::kOccupied);
   AStarConfig config = raw_config();
   config.safety_distance_m = 2.0;
   const auto result = plan(grid, config, {20.5, 5.5, 10.5}, {35.5, 15.5, 10.5});
@@ -116,7 +116,7 @@ TEST(AStar, StartTooNearToAnObstacleIsLeftWithoutTouchingIt) {
 
 TEST(AStar, EveryLimitEndsTheSearchAndLeavesAPartialPath) {
   const auto grid = test::box_grid({0, 0, 0}, {127, 127, 31});
-  test::fill(grid.get(), {100, 0, 0}, {100, 127, 31}, State::kOccupied);
+  test::fill(grid.get(), {100, 0, 0}, {100, 127, 31}, VoxelState::kOccupied);
   AStarConfig config = raw_config();
   config.max_expansions = 1000;
   auto result = plan(grid, config, {2.5, 60.5, 10.5}, {120.5, 60.5, 10.5});
@@ -136,8 +136,8 @@ TEST(AStar, EveryLimitEndsTheSearchAndLeavesAPartialPath) {
 
 TEST(AStar, AnEnclosedGoalIsAnsweredWithinTheLimits) {
   const auto grid = test::box_grid({0, 0, 0}, {63, 63, 31});
-  test::fill(grid.get(), {40, 20, 5}, {50, 30, 15}, State::kOccupied);
-  test::fill(grid.get(), {42, 22, 7}, {48, 28, 13}, State::kFree);
+  test::fill(grid.get(), {40, 20, 5}, {50, 30, 15}, VoxelState::kOccupied);
+  test::fill(grid.get(), {42, 22, 7}, {48, 28, 13}, VoxelState::kFree);
   const auto result = plan(grid, raw_config(), {2.5, 2.5, 2.5}, {45.5, 25.5, 10.5});
   EXPECT_EQ(result.status, PlanStatus::kPartialBlocked);
   EXPECT_GT(result.path.size(), 10u);
@@ -145,8 +145,8 @@ TEST(AStar, AnEnclosedGoalIsAnsweredWithinTheLimits) {
 
 TEST(AStar, ClearanceCostKeepsToTheMiddle) {
   const auto grid = test::box_grid({0, 0, 0}, {60, 30, 0});
-  test::fill(grid.get(), {10, 0, 0}, {50, 9, 0}, State::kOccupied);
-  test::fill(grid.get(), {10, 19, 0}, {50, 30, 0}, State::kOccupied);
+  test::fill(grid.get(), {10, 0, 0}, {50, 9, 0}, VoxelState::kOccupied);
+  test::fill(grid.get(), {10, 19, 0}, {50, 30, 0}, VoxelState::kOccupied);
   AStarConfig config = raw_config();
   config.safety_distance_m = 1.0;
   config.clearance_distance_m = 5.0;
@@ -161,7 +161,7 @@ TEST(AStar, ClearanceCostKeepsToTheMiddle) {
 
 TEST(AStar, SimplifiedPathIsShorterAndStillClear) {
   const auto grid = test::box_grid({0, 0, 0}, {60, 60, 20});
-  test::fill(grid.get(), {20, 0, 0}, {22, 40, 20}, State::kOccupied);
+  test::fill(grid.get(), {20, 0, 0}, {22, 40, 20}, VoxelState::kOccupied);
   AStarConfig config = raw_config();
   config.safety_distance_m = 1.5;
   const auto full = plan(grid, config, {2.5, 2.5, 10.5}, {55.5, 10.5, 12.5});
@@ -184,7 +184,7 @@ TEST(AStar, BadConfigurationIsRefused) {
 
 TEST(AStar, AFlagStopsItInThePlaceOfTheClock) {
   const auto grid = test::box_grid({0, 0, 0}, {60, 60, 30});
-  test::fill(grid.get(), {30, 0, 0}, {30, 60, 29}, State::kOccupied);
+  test::fill(grid.get(), {30, 0, 0}, {30, 60, 29}, VoxelState::kOccupied);
   AStarConfig config = raw_config();
   config.timeout_s = 0.001;
   planning::StopFlag flag;

@@ -8,7 +8,7 @@
 #include "voxnav/planning/corridor.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Vec3;
 using planning::check_corridor;
 using planning::CorridorRule;
@@ -40,19 +40,19 @@ TEST(SegmentBox, EqualsDenseSampling) {
 
 TEST(Corridor, FindsTheFirstTouchOfAWallExactly) {
   const auto grid = test::box_grid({-20, -20, -20}, {100, 20, 20}, 0.4);
-  test::fill(grid.get(), {60, -20, -20}, {60, 20, 20}, State::kOccupied);
+  test::fill(grid.get(), {60, -20, -20}, {60, 20, 20}, VoxelState::kOccupied);
   const planning::StateGridView view(grid);
   const auto result = check_corridor(view, {{0, 0, 0}, {10, 0, 0}, {30, 0, 0}}, 0.8);
   EXPECT_FALSE(result.is_safe);
   EXPECT_NEAR(result.first_unsafe_m, 60 * 0.4 - 0.8, 1e-6);
-  EXPECT_EQ(result.unsafe_state, State::kOccupied);
+  EXPECT_EQ(result.unsafe_state, VoxelState::kOccupied);
   EXPECT_DOUBLE_EQ(result.length_m, 30.0);
   EXPECT_TRUE(check_corridor(view, {{0, 0, 0}, {23.1, 0, 0}}, 0.8).is_safe);
 }
 
 TEST(Corridor, IsThreeDimensional) {
   const auto grid = test::box_grid({-20, -20, -20}, {60, 20, 20}, 0.4);
-  grid->set({25, 0, 2}, State::kOccupied);  // a branch above the way: its lower face is at 0.8 m
+  grid->set({25, 0, 2}, VoxelState::kOccupied);  // a branch above the way: its lower face is at 0.8 m
   const planning::StateGridView view(grid);
   EXPECT_FALSE(check_corridor(view, {{0, 0.2, 0}, {20, 0.2, 0}}, 0.81).is_safe);
   EXPECT_TRUE(check_corridor(view, {{0, 0.2, 0}, {20, 0.2, 0}}, 0.79).is_safe);
@@ -60,11 +60,11 @@ TEST(Corridor, IsThreeDimensional) {
 
 TEST(Corridor, UnknownIsUnsafeInFlightOnly) {
   const auto grid = test::box_grid({-20, -20, -20}, {60, 20, 20}, 0.4);
-  grid->set({25, 0, 0}, State::kUnknown);
+  grid->set({25, 0, 0}, VoxelState::kUnknown);
   const planning::StateGridView view(grid);
   const auto result = check_corridor(view, {{0, 0, 0}, {20, 0, 0}}, 0.5);
   EXPECT_FALSE(result.is_safe);
-  EXPECT_EQ(result.unsafe_state, State::kUnknown);
+  EXPECT_EQ(result.unsafe_state, VoxelState::kUnknown);
   EXPECT_TRUE(check_corridor(view, {{0, 0, 0}, {20, 0, 0}}, 0.5, CorridorRule::kNotOccupied).is_safe);
 }
 
@@ -84,7 +84,7 @@ TEST(Corridor, EqualsBruteForceOnRandomGrids) {
     const auto grid = test::box_grid({0, 0, 0}, {31, 31, 31}, 0.5);
     for (int i = 0; i < 60; ++i) {
       grid->set({static_cast<int>(rng() % 32), static_cast<int>(rng() % 32), static_cast<int>(rng() % 32)},
-                i % 2 ? State::kOccupied : State::kUnknown);
+                i % 2 ? VoxelState::kOccupied : VoxelState::kUnknown);
     }
     std::vector<Vec3> line;
     for (int i = 0; i < 4; ++i) line.emplace_back(uniform(rng), uniform(rng), uniform(rng));
@@ -95,7 +95,7 @@ TEST(Corridor, EqualsBruteForceOnRandomGrids) {
       for (int z = 0; z < 32; ++z) {
         for (int y = 0; y < 32; ++y) {
           for (int x = 0; x < 32; ++x) {
-            if (grid->state(geometry::Index3{x, y, z}) == State::kFree) continue;
+            if (grid->state(geometry::Index3{x, y, z}) == VoxelState::kFree) continue;
             const Vec3 corner = Vec3(x, y, z) * 0.5;
             const double t = planning::first_parameter_within(piece, {corner, corner + Vec3::Constant(0.5)}, radius);
             if (t >= 0.0 && (expected < 0.0 || before + t * piece.length() < expected)) {

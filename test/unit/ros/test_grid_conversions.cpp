@@ -4,6 +4,7 @@
 #include "voxnav/containers/state_grid.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 
 using namespace voxnav_ros;  // NOLINT: test
 namespace containers = voxnav::containers;
@@ -31,7 +32,7 @@ TEST(GridConversions, AnUpdateComesBackAsItWas) {
 }
 
 TEST(GridConversions, TheMessageSaysWhereWhenAndWhich) {
-  const voxnav::GridUpdate msg = to_msg(example(), {"uav1/voxnav_map", 1500000001LL, 42, 0.25});
+  const msg::GridUpdate msg = to_msg(example(), {"uav1/voxnav_map", 1500000001LL, 42, 0.25});
   EXPECT_EQ(msg.header.frame_id, "uav1/voxnav_map");
   EXPECT_EQ(to_ns(msg.header.stamp), 1500000001LL);
   EXPECT_EQ(msg.sequence, 42u);

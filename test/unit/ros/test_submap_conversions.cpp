@@ -5,6 +5,7 @@
 
 #include "content_builder.hpp"
 #include "voxnav_ros/conversions.hpp"
+#include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/submap_conversions.hpp"
 
 using namespace voxnav_ros;  // NOLINT: test
@@ -21,8 +22,8 @@ voxnav::occupancy::MapContent content() {
   return builder.build();
 }
 
-voxnav::Handover handover() {
-  voxnav::Handover msg;
+msg::Handover handover() {
+  msg::Handover msg;
   msg.header.stamp = ros::Time(20, 5);
   msg.submap_id = 3;
   msg.is_final = true;
@@ -47,8 +48,8 @@ voxnav::submap::SubmapEntry entry() {
   return out;
 }
 
-voxnav::SubmapPoses poses_of_two() {
-  voxnav::SubmapPoses msg;
+msg::SubmapPoses poses_of_two() {
+  msg::SubmapPoses msg;
   msg.submap_ids = {1, 2};
   msg.T_W_S = {to_msg(geometry::Pose::Identity()), to_msg(kT_O_S)};
   return msg;
@@ -70,7 +71,7 @@ TEST(SubmapConversions, AHandoverSaysWhatItsMessageSays) {
 }
 
 TEST(SubmapConversions, AHandoverWithoutAPoseIsRefused) {
-  voxnav::Handover msg = handover();
+  msg::Handover msg = handover();
   msg.T_O_S = geometry_msgs::Pose{};
   EXPECT_THROW(from_msg(msg), std::invalid_argument);
   msg = handover();
@@ -79,13 +80,13 @@ TEST(SubmapConversions, AHandoverWithoutAPoseIsRefused) {
 }
 
 TEST(SubmapConversions, AHandoverWithListsOfDifferentLengthsIsRefused) {
-  voxnav::Handover msg = handover();
+  msg::Handover msg = handover();
   msg.pose_stamps.pop_back();
   EXPECT_THROW(from_msg(msg), std::invalid_argument);
 }
 
 TEST(SubmapConversions, AHandoverWithDamagedContentIsRefused) {
-  voxnav::Handover msg = handover();
+  msg::Handover msg = handover();
   msg.content[msg.content.size() / 2] ^= 1;
   EXPECT_THROW(from_msg(msg), std::invalid_argument);
   msg.content.clear();
@@ -94,7 +95,7 @@ TEST(SubmapConversions, AHandoverWithDamagedContentIsRefused) {
 
 TEST(SubmapConversions, AFinishedSubmapComesBackAsItWas) {
   const voxnav::submap::SubmapEntry sent = entry();
-  const voxnav::Submap msg = to_msg(sent, "uav1/origin");
+  const msg::FinishedSubmap msg = to_msg(sent, "uav1/origin");
   EXPECT_EQ(msg.header.frame_id, "uav1/origin");
   const voxnav::submap::SubmapEntry back = from_msg(msg);
   EXPECT_EQ(back.id, sent.id);
@@ -108,7 +109,7 @@ TEST(SubmapConversions, AFinishedSubmapComesBackAsItWas) {
 }
 
 TEST(SubmapConversions, ADamagedSubmapIsRefused) {
-  voxnav::Submap msg = to_msg(entry(), "origin");
+  msg::FinishedSubmap msg = to_msg(entry(), "origin");
   msg.data[msg.data.size() / 2] ^= 1;
   EXPECT_THROW(from_msg(msg), std::invalid_argument);
   msg = to_msg(entry(), "origin");
@@ -132,7 +133,7 @@ TEST(SubmapConversions, SubmapsAreRigidWhereTheMessageSaysNothingOfBends) {
 }
 
 TEST(SubmapConversions, BendsComeFromBothEnds) {
-  voxnav::SubmapPoses msg = poses_of_two();
+  msg::SubmapPoses msg = poses_of_two();
   const geometry::Pose moved = geometry::from_position_yaw({0.1, 0.2, 0.3}, 0.01);
   msg.T_S_begin = {to_msg(geometry::Pose::Identity()), to_msg(moved)};
   msg.T_S_end = {to_msg(moved), to_msg(geometry::Pose::Identity())};

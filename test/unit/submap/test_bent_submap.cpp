@@ -6,7 +6,7 @@
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Bend;
 using geometry::Pose;
 using geometry::Vec3;
@@ -106,7 +106,7 @@ TEST(BentSubmap, FreeSpaceAbovePostsAndGroundMovesWithThem) {
       const geometry::Index3 voxel = geometry::voxel_at(block.index, leaf.offset);
       if (voxel.z != 0 || voxel.x < -38 || voxel.x > 37 || std::abs(voxel.y) > 9) continue;
       const Vec3 above = geometry::center_of(voxel + geometry::Index3{0, 0, 10}, kVoxel);
-      EXPECT_EQ(map.state(kT_W_S * kBend.at(leaf.observed_time / 255.0) * kT_S_G * above), State::kFree);
+      EXPECT_EQ(map.state(kT_W_S * kBend.at(leaf.observed_time / 255.0) * kT_S_G * above), VoxelState::kFree);
     }
   }
 }

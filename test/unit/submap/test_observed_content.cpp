@@ -10,7 +10,7 @@
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Pose;
 using submap::Columns;

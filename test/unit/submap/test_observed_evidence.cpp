@@ -8,7 +8,7 @@
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Pose;
 using geometry::Vec3;
 using submap::Submap;
@@ -84,10 +84,10 @@ TEST(ObservedEvidence, RememberedFreeSpaceTakesNothingAway) {
   collection.add(entry_of(1, content));
   collection.add(entry_of(2, wall_at(8, true)));
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
-  EXPECT_EQ(collection.state({1.0, 0.2, 0.2}), State::kUnknown);
+  EXPECT_EQ(collection.state({1.0, 0.2, 0.2}), VoxelState::kUnknown);
   EXPECT_TRUE(collection.changes(1).empty());
   collection.add(entry_of(3, wall_at(8, false)));  // the same, seen
-  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), State::kFree);
+  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), VoxelState::kFree);
   EXPECT_FALSE(collection.changes(1).empty());
 }
 
@@ -151,10 +151,10 @@ TEST(ObservedEvidence, MemoryCountsWhereNothingElseIsKnown) {
   const auto content = wall_at(0, true);
   collection.add(entry_of(7, content));  // as after a restart: nobody has submap 6
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
-  EXPECT_EQ(collection.state({-1.0, 0.2, 0.2}), State::kFree);
+  EXPECT_EQ(collection.state({-1.0, 0.2, 0.2}), VoxelState::kFree);
   // Submap 6 comes late, and what 7 remembers of it is its own to say.
   collection.add(entry_of(6, wall_at(2, false)));
-  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), State::kFree);
+  EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), VoxelState::kFree);
   for (const auto& p : collection.occupied_points()) ASSERT_NEAR(p.x(), 2.5 * kVoxel, 1e-3);
   collection.remove(6);
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
@@ -168,7 +168,7 @@ TEST(ObservedEvidence, MemoryOfAnotherFlightDoesNotOverrideAMap) {
   later.flight = 1;
   collection.add(later);
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
-  EXPECT_EQ(collection.state({0.2, 0.2, 0.2}), State::kOccupied);
+  EXPECT_EQ(collection.state({0.2, 0.2, 0.2}), VoxelState::kOccupied);
 }
 
 namespace {

@@ -103,13 +103,13 @@ TEST(SubmapCollection, RaysStopAtTheFirstVoxelThatIsNotFree) {
   SubmapCollection collection({});
   collection.add(entry);
   auto ray = collection.cast_ray({0.2, 0.2, 0.2}, {15.8, 0.2, 0.2});
-  EXPECT_EQ(ray.state, containers::State::kOccupied);
+  EXPECT_EQ(ray.state, containers::VoxelState::kOccupied);
   EXPECT_NEAR(ray.distance_m, 12.0 - 0.2, 1e-9);
   ray = collection.cast_ray({0.2, 0.2, 0.2}, {11.0, 0.2, 0.2});
-  EXPECT_EQ(ray.state, containers::State::kFree);
+  EXPECT_EQ(ray.state, containers::VoxelState::kFree);
   EXPECT_NEAR(ray.distance_m, 10.8, 1e-9);
   ray = collection.cast_ray({0.2, 0.2, 0.2}, {0.2, 2.0, 0.2});
-  EXPECT_EQ(ray.state, containers::State::kUnknown);
+  EXPECT_EQ(ray.state, containers::VoxelState::kUnknown);
   EXPECT_NEAR(ray.distance_m, 0.2, 1e-9);
   EXPECT_THROW(collection.cast_ray({0, 0, 0}, {1e9, 0, 0}), std::invalid_argument);
   EXPECT_THROW(collection.cast_ray({0, std::nan(""), 0}, {1, 0, 0}), std::invalid_argument);
@@ -122,7 +122,7 @@ TEST(SubmapCollection, GradientPointsAwayFromTheNearestSurface) {
   int checked = 0;
   for (const Vec3& p : random_points(300)) {
     const auto gradient = collection.gradient(p, 5.0);
-    ASSERT_EQ(gradient.has_value(), collection.state(p) != containers::State::kUnknown);
+    ASSERT_EQ(gradient.has_value(), collection.state(p) != containers::VoxelState::kUnknown);
     if (!gradient || gradient->isZero()) continue;
     const double distance = *collection.distance(p, 5.0);
     double nearest = 1e9;

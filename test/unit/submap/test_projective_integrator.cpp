@@ -5,7 +5,7 @@
 #include "voxnav/submap/projective_integrator.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Pose;
 using geometry::Vec3;
 using geometry::Vec3f;
@@ -87,10 +87,10 @@ TEST_P(Rules, SphereSurfaceIsFoundAndSpaceInFrontIsFree) {
   for (int i = 0; i < 5000; ++i) {
     const Vec3 p = test::random_in(&rng, {-8, -8, 0}, {8, 8, 16});
     if (sphere(p) < -0.6) {
-      ASSERT_NE(field->state(p), State::kFree);
+      ASSERT_NE(field->state(p), VoxelState::kFree);
     }
   }
-  EXPECT_EQ(field->state(Vec3(6, 0, 8)), State::kFree);
+  EXPECT_EQ(field->state(Vec3(6, 0, 8)), VoxelState::kFree);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Rules, ::testing::Values(RayRule::kSimple, RayRule::kMerged, RayRule::kFast));

@@ -5,7 +5,7 @@
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Pose;
 using geometry::Vec3;
 using submap::Submap;
@@ -115,7 +115,7 @@ TEST(Submap, EveryOccupiedVoxelIsASurface) {
   ASSERT_EQ(field->occupied_points().size(), content.num_occupied());
   for (const auto& voxel : thin) {
     EXPECT_LE(distance_at(*field, geometry::center_of(voxel, kVoxel)), 0.0);
-    EXPECT_EQ(field->state(geometry::center_of(voxel, kVoxel)), State::kOccupied);
+    EXPECT_EQ(field->state(geometry::center_of(voxel, kVoxel)), VoxelState::kOccupied);
   }
 }
 
@@ -149,7 +149,7 @@ TEST(Submap, UnknownAndNotFiniteAreUnobserved) {
   EXPECT_TRUE(std::isnan(distance_at(*field, {100, 0, 0})));
   EXPECT_TRUE(std::isnan(distance_at(*field, {std::nan(""), 0, 0})));
   EXPECT_TRUE(std::isnan(distance_at(*field, {1e300, 0, 0})));
-  EXPECT_EQ(field->state({100, 0, 0}), State::kUnknown);
+  EXPECT_EQ(field->state({100, 0, 0}), VoxelState::kUnknown);
 }
 
 TEST(Submap, EmptyContentIsUnobservedEverywhere) {

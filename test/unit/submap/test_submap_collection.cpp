@@ -10,7 +10,7 @@
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Pose;
 using geometry::Vec3;
@@ -149,12 +149,12 @@ TEST(SubmapCollection, StatesComeFromSubmapsAndNothingElseIsKnown) {
   for (int i = 0; i < 3000; ++i) {
     const Vec3 p =
         geometry::center_of(geometry::index_of(test::random_in(&rng, {-14, -14, -2}, {14, 14, 8}), kVoxel), kVoxel);
-    const State state = collection.state(p);
-    if (submap.state(p) == State::kUnknown) {
-      ASSERT_NE(state, State::kFree);
+    const VoxelState state = collection.state(p);
+    if (submap.state(p) == VoxelState::kUnknown) {
+      ASSERT_NE(state, VoxelState::kFree);
     }
-    if (submap.state(p) == State::kFree) {
-      ASSERT_NE(state, State::kUnknown);
+    if (submap.state(p) == VoxelState::kFree) {
+      ASSERT_NE(state, VoxelState::kUnknown);
     }
   }
   EXPECT_FALSE(collection.distance({500, 0, 0}, 5.0).has_value());

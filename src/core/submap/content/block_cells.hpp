@@ -46,7 +46,8 @@ inline std::uint64_t gather_even(std::uint64_t bits) {
   return (bits | (bits >> 16)) & 0x00000000FFFFFFFFull;
 }
 
-/// Reduces the states of a cell, which have two bits per voxel (containers::State), to one bit per voxel: the lower one
+/// Reduces the states of a cell, which have two bits per voxel (containers::VoxelState), to one bit per voxel: the
+/// lower one
 /// (`which` = 0, free) or the upper one (`which` = 1, occupied).
 inline std::uint64_t bit_of_each(const std::array<std::uint64_t, 2>& states, int which) {
   return gather_even(states[0] >> which) | gather_even(states[1] >> which) << 32;

@@ -8,20 +8,20 @@
 
 namespace voxnav::submap {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 
-State BlockStates::state(const Index3& voxel) const {
+VoxelState BlockStates::state(const Index3& voxel) const {
   const auto position = find(geometry::block_of(voxel));
-  return position ? state(*position, geometry::offset_in_block(voxel)) : State::kUnknown;
+  return position ? state(*position, geometry::offset_in_block(voxel)) : VoxelState::kUnknown;
 }
 
-State BlockStates::state(std::size_t position, int offset) const {
+VoxelState BlockStates::state(std::size_t position, int offset) const {
   const Block& block = blocks_[position];
   const int cell = cell_of(offset);
   const int voxel = voxel_in_cell(offset);
-  if (has_bit(occupied_of(block, cell), voxel)) return State::kOccupied;
-  return has_bit(free_of(block, cell), voxel) ? State::kFree : State::kUnknown;
+  if (has_bit(occupied_of(block, cell), voxel)) return VoxelState::kOccupied;
+  return has_bit(free_of(block, cell), voxel) ? VoxelState::kFree : VoxelState::kUnknown;
 }
 
 ColumnBlock BlockStates::columns(std::size_t position) const {

@@ -39,8 +39,8 @@ class BlockStates {
     return table_.find(block, [this](std::uint32_t position) { return index(position); });
   }
 
-  containers::State state(const geometry::Index3& voxel) const;
-  containers::State state(std::size_t position, int offset) const;
+  containers::VoxelState state(const geometry::Index3& voxel) const;
+  containers::VoxelState state(std::size_t position, int offset) const;
   /// Returns the states of a block as columns.
   ColumnBlock columns(std::size_t position) const;
   /// Returns the free voxels of a block that the submap observed.

@@ -71,7 +71,7 @@ void ContentWindow::count_rows() {
     if (occupied_[row] != 0) count += kernels::count_bits(occupied_[row]);
   }
   next_of_row_ = first_of_row_;
-  places_.resize(count);
+  voxels_.resize(count);
   numbers_.resize(count);
   points_.resize(count);
 }
@@ -85,7 +85,7 @@ void ContentWindow::take_points(const OccupiedCell& cell) {
     const int y = cell.y + ((bit >> 2) & 3);
     const int z = cell.z + (bit >> 4);
     const std::size_t i = next_of_row_[at(y, z)]++;
-    places_[i] = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(y), static_cast<std::int16_t>(z)};
+    voxels_[i] = {x, y, z};
     numbers_[i] = number++;
     const geometry::Vec3f p = geometry::Vec3f(x, y, z) + mean(i);
     points_[i] = {p.x(), p.y(), p.z(), 1.0f, p.y(), p.z(), p.x(), 0.0f};
@@ -94,10 +94,10 @@ void ContentWindow::take_points(const OccupiedCell& cell) {
 
 std::vector<std::uint16_t> voxels_of_block(const ContentWindow& window) {
   std::vector<std::uint16_t> out;
-  for (std::size_t i = 0; i < window.places().size(); ++i) {
-    const ContentWindow::Place& place = window.places()[i];
+  for (std::size_t i = 0; i < window.voxels().size(); ++i) {
+    const geometry::Index3& voxel = window.voxels()[i];
     // A voxel lies in the block itself if its coordinates fit into four bits.
-    if (((place.x | place.y | place.z) & ~15) == 0) out.push_back(static_cast<std::uint16_t>(i));
+    if (((voxel.x | voxel.y | voxel.z) & ~15) == 0) out.push_back(static_cast<std::uint16_t>(i));
   }
   return out;
 }

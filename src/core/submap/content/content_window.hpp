@@ -18,8 +18,6 @@ class ContentWindow {
  public:
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
-  /// Coordinates of an occupied voxel.
-  using Place = kernels::WindowVoxel;
 
   /// Unpacks a block and its surroundings.
   /// @param halo  voxels that are needed around the block, at most kHalo; as whole cells are unpacked, there may be
@@ -27,7 +25,7 @@ class ContentWindow {
   void load(const SubmapContent& content, const geometry::Index3& block, int halo);
 
   /// The occupied voxels, sorted by z, y and x. The index of a voxel in this list is its number in the window.
-  const std::vector<Place>& places() const { return places_; }
+  const std::vector<geometry::Index3>& voxels() const { return voxels_; }
   /// For each of them the number of its surface point in the submap.
   const std::vector<std::uint32_t>& numbers() const { return numbers_; }
   /// Offset of the surface point of the i-th of them from the centre of its voxel, voxel edges.
@@ -38,9 +36,9 @@ class ContentWindow {
 
   std::uint32_t free(int y, int z) const { return free_[at(y, z)]; }
   std::uint32_t occupied(int y, int z) const { return occupied_[at(y, z)]; }
-  containers::State state(int x, int y, int z) const {
-    if ((occupied(y, z) >> (x + kHalo)) & 1) return containers::State::kOccupied;
-    return (free(y, z) >> (x + kHalo)) & 1 ? containers::State::kFree : containers::State::kUnknown;
+  containers::VoxelState state(int x, int y, int z) const {
+    if ((occupied(y, z) >> (x + kHalo)) & 1) return containers::VoxelState::kOccupied;
+    return (free(y, z) >> (x + kHalo)) & 1 ? containers::VoxelState::kFree : containers::VoxelState::kUnknown;
   }
 
   /// The window in the form that kernels read, with surface points relative to the centre of the first voxel of the
@@ -70,7 +68,7 @@ class ContentWindow {
   std::array<std::uint16_t, kSide * kSide> first_of_row_;
   std::array<std::uint16_t, kSide * kSide> next_of_row_;  ///< next free entry of each row, while points are taken
   std::vector<OccupiedCell> cells_;
-  std::vector<Place> places_;
+  std::vector<geometry::Index3> voxels_;
   std::vector<std::uint32_t> numbers_;
   std::vector<kernels::WindowPoint> points_;
 };

@@ -11,7 +11,7 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using occupancy::ContentBlock;
 using occupancy::OccupiedVoxel;
 
@@ -45,7 +45,7 @@ void VoxelsByCell::sort(const ContentBlock& block) {
   int last = -1;
   for (const OccupiedVoxel& voxel : block.occupied) {
     const bool fits = voxel.offset < geometry::kBlockVolume && voxel.offset > last &&
-                      block.states.get(voxel.offset) == State::kOccupied;
+                      block.states.get(voxel.offset) == VoxelState::kOccupied;
     if (!fits) fail_mismatch();
     last = voxel.offset;
     ++first[static_cast<std::size_t>(cell_of(voxel.offset)) + 1];

@@ -17,16 +17,16 @@ class Deriver {
   std::shared_ptr<const DistanceBlock> derive(const SubmapContent& content, const Index3& block) {
     const auto band = static_cast<float>(content.band());
     window_.load(content, block, static_cast<int>(band + 1.5f));
-    if (window_.places().empty()) return nullptr;
+    if (window_.voxels().empty()) return nullptr;
     auto out = std::make_shared<DistanceBlock>(content.band());
     out->measure_free(window_.view(), band, &squared_);
     unknown_.find(window_);
     const std::vector<std::uint16_t>& near = unknown_.near_table();
     estimate_normals(window_, near, &normals_);
     for (std::size_t i = 0; i < near.size(); ++i) {
-      const ContentWindow::Place& place = window_.places()[near[i]];
-      if (!is_in_table(place)) continue;
-      out->set(place.x, place.y, place.z, occupied_distance(window_, near[i], normals_[i], band));
+      const geometry::Index3& voxel = window_.voxels()[near[i]];
+      if (!is_in_table(voxel)) continue;
+      out->set(voxel.x, voxel.y, voxel.z, occupied_distance(window_, near[i], normals_[i], band));
     }
     unknown_.write(window_, normals_, out.get());
     return out;

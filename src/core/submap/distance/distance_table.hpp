@@ -29,11 +29,11 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 
 /// Returns true if an occupied voxel of a window lies in the table, or at most `beside` voxels outside it on each axis.
 /// The range of a coordinate is shifted to begin at 0, so that as an unsigned number it needs only one comparison.
-inline bool is_in_table(const ContentWindow::Place& place, int beside = 0) {
+inline bool is_in_table(const geometry::Index3& voxel, int beside = 0) {
   const auto is_in = [&](int c) {
     return static_cast<unsigned>(c + 1 + beside) < kTableSide + 2u * static_cast<unsigned>(beside);
   };
-  return is_in(place.x) & is_in(place.y) & is_in(place.z);
+  return is_in(voxel.x) & is_in(voxel.y) & is_in(voxel.z);
 }
 
 }  // namespace voxnav::submap

@@ -33,19 +33,19 @@ void UnknownDistances::find(const ContentWindow& window) {
   list_unknown(window);
   squared_.fill(kFar);
   near_table_.clear();
-  for (std::size_t i = 0; i < window.places().size(); ++i) {
-    if (!is_in_table(window.places()[i], 1)) continue;
-    spread(window.places()[i], window.mean(i), static_cast<std::uint16_t>(near_table_.size()));
+  for (std::size_t i = 0; i < window.voxels().size(); ++i) {
+    if (!is_in_table(window.voxels()[i], 1)) continue;
+    spread(window.voxels()[i], window.mean(i), static_cast<std::uint16_t>(near_table_.size()));
     near_table_.push_back(static_cast<std::uint16_t>(i));
   }
 }
 
 /// Updates the unknown voxels among the 26 neighbours of an occupied voxel, if its surface point is nearer to them.
-void UnknownDistances::spread(const ContentWindow::Place& place, const Vec3f& mean, std::uint16_t number) {
-  const std::uint32_t beside = 7u << (place.x - 1 + kHalo);
+void UnknownDistances::spread(const geometry::Index3& voxel, const Vec3f& mean, std::uint16_t number) {
+  const std::uint32_t beside = 7u << (voxel.x - 1 + kHalo);
   for (int row = 0; row < 9; ++row) {
-    const int y = place.y + row % 3 - 1;
-    const int z = place.z + row / 3 - 1;
+    const int y = voxel.y + row % 3 - 1;
+    const int z = voxel.z + row / 3 - 1;
     const std::uint32_t unknown = unknown_[row_at(y, z)] & beside;
     if (unknown == 0) continue;
     const float dy = static_cast<float>(row % 3 - 1) - mean.y();
@@ -53,7 +53,7 @@ void UnknownDistances::spread(const ContentWindow::Place& place, const Vec3f& me
     const float across = dy * dy + dz * dz;
     kernels::for_each_bit(unknown, [&](int bit) {
       const int x = bit - kHalo;
-      const float dx = static_cast<float>(x - place.x) - mean.x();
+      const float dx = static_cast<float>(x - voxel.x) - mean.x();
       const float squared = dx * dx + across;
       const std::size_t i = table_at(x, y, z);
       if (squared >= squared_[i]) return;
@@ -72,8 +72,8 @@ void UnknownDistances::write(const ContentWindow& window, const std::vector<Surf
         const std::size_t i = table_at(x, y, z);
         if (squared_[i] == kFar) return;
         const std::uint16_t nearest = near_table_[nearest_[i]];
-        const ContentWindow::Place& place = window.places()[nearest];
-        const Vec3f from_voxel(x - place.x, y - place.y, z - place.z);
+        const geometry::Index3& voxel = window.voxels()[nearest];
+        const Vec3f from_voxel(x - voxel.x, y - voxel.y, z - voxel.z);
         out->set(x, y, z, signed_distance(from_voxel, window.mean(nearest), normals[nearest_[i]], squared_[i]));
       });
     }

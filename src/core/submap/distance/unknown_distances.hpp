@@ -28,7 +28,7 @@ class UnknownDistances {
   /// beside the table have rows as well.
   static std::size_t row_at(int y, int z) { return static_cast<std::size_t>((y + 3) + (kTableSide + 4) * (z + 3)); }
   void list_unknown(const ContentWindow& window);
-  void spread(const ContentWindow::Place& place, const geometry::Vec3f& mean, std::uint16_t number);
+  void spread(const geometry::Index3& voxel, const geometry::Vec3f& mean, std::uint16_t number);
 
   std::vector<std::uint16_t> near_table_;
   std::array<std::uint32_t, (kTableSide + 4) * (kTableSide + 4)> unknown_;  ///< bit x + 8 of each row

@@ -16,12 +16,12 @@ constexpr float kLogOdds = 2.0f;  // a little within the clamping bounds of Octo
 
 void add_block(const geometry::Index3& index, const ColumnBlock& states, double resolution_m, octomap::OcTree* tree) {
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const containers::State state = states.get(offset);
-    if (state == containers::State::kUnknown) continue;
+    const containers::VoxelState state = states.get(offset);
+    if (state == containers::VoxelState::kUnknown) continue;
     const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(index, offset), resolution_m);
     octomap::OcTreeKey key;
     if (!tree->coordToKeyChecked(center.x(), center.y(), center.z(), key)) continue;
-    tree->setNodeValue(key, state == containers::State::kOccupied ? kLogOdds : -kLogOdds, true);
+    tree->setNodeValue(key, state == containers::VoxelState::kOccupied ? kLogOdds : -kLogOdds, true);
   }
 }
 

@@ -36,20 +36,20 @@ containers::StateGrid SubmapCollection::obstacles(double safety_distance_m) {
   return obstacles.grid();
 }
 
-containers::State SubmapCollection::state(const Vec3& p_W) {
+containers::VoxelState SubmapCollection::state(const Vec3& p_W) {
   update();
   return evidence().state(p_W);
 }
 
 std::optional<double> SubmapCollection::distance(const Vec3& p_W, double max_distance_m) {
   update();
-  if (evidence().state(p_W) == containers::State::kUnknown) return std::nullopt;
+  if (evidence().state(p_W) == containers::VoxelState::kUnknown) return std::nullopt;
   return evidence().distance_to_surface(p_W, max_distance_m).value_or(max_distance_m);
 }
 
 std::optional<Vec3> SubmapCollection::gradient(const Vec3& p_W, double max_distance_m) {
   update();
-  if (evidence().state(p_W) == containers::State::kUnknown) return std::nullopt;
+  if (evidence().state(p_W) == containers::VoxelState::kUnknown) return std::nullopt;
   const auto nearest = evidence().nearest_surface(p_W, max_distance_m);
   if (!nearest || nearest->distance_m == 0.0) return Vec3(Vec3::Zero());
   return Vec3((p_W - nearest->point_W) / nearest->distance_m);
@@ -71,9 +71,9 @@ SubmapCollection::Ray SubmapCollection::cast_ray(const Vec3& a_W, const Vec3& b_
       at = geometry::block_of(voxel);
       block = evidence().find(at);
     }
-    out.state = block ? block->states.get(geometry::offset_in_block(voxel)) : containers::State::kUnknown;
+    out.state = block ? block->states.get(geometry::offset_in_block(voxel)) : containers::VoxelState::kUnknown;
     out.distance_m = walk.entered() * length_m;
-    if (out.state != containers::State::kFree) return out;
+    if (out.state != containers::VoxelState::kFree) return out;
   }
   out.distance_m = length_m;
   return out;

@@ -10,7 +10,7 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::kBlockSide;
 using geometry::Vec3;
@@ -52,11 +52,11 @@ const EvidenceBlock* EvidenceMap::find(const Index3& block) const {
   return it == blocks_.end() ? nullptr : &it->second;
 }
 
-State EvidenceMap::state(const Vec3& p_W) const {
-  if (!((p_W.array().abs() / rules_.resolution_m) < 1073741824.0).all()) return State::kUnknown;
+VoxelState EvidenceMap::state(const Vec3& p_W) const {
+  if (!((p_W.array().abs() / rules_.resolution_m) < 1073741824.0).all()) return VoxelState::kUnknown;
   const Index3 voxel = geometry::index_of(p_W, rules_.resolution_m);
   const EvidenceBlock* block = find(geometry::block_of(voxel));
-  return block ? block->states.get(geometry::offset_in_block(voxel)) : State::kUnknown;
+  return block ? block->states.get(geometry::offset_in_block(voxel)) : VoxelState::kUnknown;
 }
 
 Vec3 EvidenceMap::point_of(const Index3& block, const SurfaceEvidence& evidence) const {

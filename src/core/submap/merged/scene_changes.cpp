@@ -28,7 +28,7 @@ bool any_neighbor(const Index3& voxel, F&& f) {
 bool is_old_surface(const EvidenceMap& evidence, const Index3& voxel) {
   const EvidenceBlock* block = evidence.find(geometry::block_of(voxel));
   const int offset = geometry::offset_in_block(voxel);
-  if (!block || block->states.get(offset) != containers::State::kOccupied) return false;
+  if (!block || block->states.get(offset) != containers::VoxelState::kOccupied) return false;
   return std::none_of(block->points.begin(), block->points.end(),
                       [&](const SurfaceEvidence& point) { return point.offset == offset && point.is_new; });
 }

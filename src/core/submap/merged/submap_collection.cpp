@@ -67,7 +67,7 @@ void SubmapCollection::add(SubmapEntry entry) {
 bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S, const geometry::Bend& bend) {
   check_pose(T_W_S);
   check_bend(bend);
-  SubmapRecord* found = parts_->store.find(id);
+  StoredSubmap* found = parts_->store.find(id);
   if (!found) return false;
   found->entry.T_W_S = T_W_S;
   found->entry.bend = bend;
@@ -75,7 +75,7 @@ bool SubmapCollection::set_pose(std::uint32_t id, const Pose& T_W_S, const geome
 }
 
 bool SubmapCollection::remove(std::uint32_t id) {
-  SubmapRecord* found = parts_->store.find(id);
+  StoredSubmap* found = parts_->store.find(id);
   if (!found) return false;
   parts_->merge.remove(found);
   parts_->store.remove(id);
@@ -87,7 +87,7 @@ void SubmapCollection::clear() {
 }
 
 const SubmapEntry* SubmapCollection::find(std::uint32_t id) const {
-  const SubmapRecord* found = std::as_const(parts_->store).find(id);
+  const StoredSubmap* found = std::as_const(parts_->store).find(id);
   return found ? &found->entry : nullptr;
 }
 

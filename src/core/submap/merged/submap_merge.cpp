@@ -54,13 +54,13 @@ SubmapMerge::SubmapMerge(const SubmapCollectionConfig& config)
 
 /// Decides which content of a submap is merged. Remembered content is merged only if the submap before it is absent,
 /// which shows in its id: the submaps of a flight are numbered without gaps.
-Knowledge SubmapMerge::knowledge_of(const SubmapStore& store, const SubmapRecord& record) const {
+Knowledge SubmapMerge::knowledge_of(const SubmapStore& store, const StoredSubmap& record) const {
   if (!record.has_memory) return Knowledge::kObserved;
-  const SubmapRecord* before = record.entry.id > 0 ? store.find(record.entry.id - 1) : nullptr;
+  const StoredSubmap* before = record.entry.id > 0 ? store.find(record.entry.id - 1) : nullptr;
   return before && before->entry.flight == record.entry.flight ? Knowledge::kObserved : Knowledge::kAll;
 }
 
-bool SubmapMerge::has_changed(const SubmapStore& store, const SubmapRecord& record) const {
+bool SubmapMerge::has_changed(const SubmapStore& store, const StoredSubmap& record) const {
   const Placement now{record.entry.T_W_S, record.entry.bend};
   return record.merged != knowledge_of(store, record) ||
          largest_move(record.entry.submap->known_bounds(), now, record.merged_at) > pose_tolerance_m_;
@@ -68,7 +68,7 @@ bool SubmapMerge::has_changed(const SubmapStore& store, const SubmapRecord& reco
 
 /// Returns true if a submap that is merged in a block observed something in it.
 bool SubmapMerge::has_observed(const SubmapStore& store, const SubmapKey& key, const Index3& block) const {
-  const SubmapRecord& record = store.at(key);
+  const StoredSubmap& record = store.at(key);
   return record.merged == Knowledge::kObserved ||
          std::binary_search(record.observed_blocks.begin(), record.observed_blocks.end(), block);
 }
@@ -86,7 +86,7 @@ bool SubmapMerge::memory_counts(const SubmapStore& store, const Index3& block, c
 }
 
 /// Removes a submap from the merged map and marks its blocks as stale: they have to be merged again.
-void SubmapMerge::take_out(SubmapRecord* record, std::vector<Index3>* stale) {
+void SubmapMerge::take_out(StoredSubmap* record, std::vector<Index3>* stale) {
   if (!record->is_merged) return;
   const SubmapKey key = key_of(record->entry);
   for (const Index3& block : record->blocks) {
@@ -100,7 +100,7 @@ void SubmapMerge::take_out(SubmapRecord* record, std::vector<Index3>* stale) {
 }
 
 /// Enters a submap in the lists of the blocks that it touches. Its evidence is integrated later.
-void SubmapMerge::put_in(const SubmapStore& store, const SubmapKey& key, SubmapRecord* record) {
+void SubmapMerge::put_in(const SubmapStore& store, const SubmapKey& key, StoredSubmap* record) {
   record->merged_at = {record->entry.T_W_S, record->entry.bend};
   record->is_merged = true;
   record->merged = knowledge_of(store, *record);
@@ -149,7 +149,7 @@ void SubmapMerge::add_stale(const std::vector<Index3>& stale, Work* work) {
 
 void SubmapMerge::integrate(SubmapStore* store, Work work) {
   for (auto& [key, blocks] : work) {
-    SubmapRecord& record = store->at(key);
+    StoredSubmap& record = store->at(key);
     store->touch(&record);
     if (record.merged == Knowledge::kAll) {
       const auto is_alone = [&, k = key](const Index3& block) {
@@ -165,7 +165,7 @@ void SubmapMerge::integrate(SubmapStore* store, Work work) {
   }
 }
 
-void SubmapMerge::integrate(const SubmapRecord& record, Knowledge knowledge, const std::vector<Index3>& blocks) {
+void SubmapMerge::integrate(const StoredSubmap& record, Knowledge knowledge, const std::vector<Index3>& blocks) {
   if (blocks.empty()) return;
   const PlacedSubmap placed(*record.entry.submap, record.entry.id, record.merged_at, resolution_m_, knowledge,
                             viewpoints(record.entry.T_S_B, record.merged_at.T_W_S));

@@ -18,7 +18,7 @@ class SubmapMerge {
 
   const EvidenceMap& evidence() const { return evidence_; }
   /// Removes a submap from the merged map; to be called before it is removed from the store.
-  void remove(SubmapRecord* record) { take_out(record, &stale_); }
+  void remove(StoredSubmap* record) { take_out(record, &stale_); }
   /// Brings the evidence up to date. @return blocks that changed, sorted
   std::vector<geometry::Index3> update(SubmapStore* store);
   std::size_t memory_bytes() const;
@@ -27,16 +27,16 @@ class SubmapMerge {
   /// The blocks to be integrated, by submap, oldest first, so that each submap is placed in the grid only once.
   using Work = std::map<SubmapKey, std::vector<geometry::Index3>>;
 
-  Knowledge knowledge_of(const SubmapStore& store, const SubmapRecord& record) const;
-  bool has_changed(const SubmapStore& store, const SubmapRecord& record) const;
+  Knowledge knowledge_of(const SubmapStore& store, const StoredSubmap& record) const;
+  bool has_changed(const SubmapStore& store, const StoredSubmap& record) const;
   bool has_observed(const SubmapStore& store, const SubmapKey& key, const geometry::Index3& block) const;
   bool memory_counts(const SubmapStore& store, const geometry::Index3& block, const SubmapKey* without = nullptr) const;
-  void take_out(SubmapRecord* record, std::vector<geometry::Index3>* stale);
-  void put_in(const SubmapStore& store, const SubmapKey& key, SubmapRecord* record);
+  void take_out(StoredSubmap* record, std::vector<geometry::Index3>* stale);
+  void put_in(const SubmapStore& store, const SubmapKey& key, StoredSubmap* record);
   Work put_in_new(SubmapStore* store, std::vector<geometry::Index3>* stale);
   void add_stale(const std::vector<geometry::Index3>& stale, Work* work);
   void integrate(SubmapStore* store, Work work);
-  void integrate(const SubmapRecord& record, Knowledge knowledge, const std::vector<geometry::Index3>& blocks);
+  void integrate(const StoredSubmap& record, Knowledge knowledge, const std::vector<geometry::Index3>& blocks);
 
   double resolution_m_;
   double pose_tolerance_m_;

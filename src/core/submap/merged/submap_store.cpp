@@ -24,19 +24,19 @@ std::string page_name(const SubmapEntry& entry) {
 void SubmapStore::add(SubmapEntry entry) {
   const SubmapKey key = key_of(entry);
   keys_[entry.id] = key;
-  SubmapRecord& record = records_[key];
+  StoredSubmap& record = records_[key];
   record.bytes = entry.submap->memory_bytes();
   record.has_memory = entry.submap->content()->has_memory();
   bytes_ += record.bytes;
   record.entry = std::move(entry);
 }
 
-SubmapRecord* SubmapStore::find(std::uint32_t id) {
+StoredSubmap* SubmapStore::find(std::uint32_t id) {
   const auto key = keys_.find(id);
   return key == keys_.end() ? nullptr : &records_.at(key->second);
 }
 
-const SubmapRecord* SubmapStore::find(std::uint32_t id) const {
+const StoredSubmap* SubmapStore::find(std::uint32_t id) const {
   const auto key = keys_.find(id);
   return key == keys_.end() ? nullptr : &records_.at(key->second);
 }
@@ -61,7 +61,7 @@ bool SubmapStore::is_over_limit() const {
 void SubmapStore::page_out() {
   if (config_.page_dir.empty()) return;
   std::size_t resident = 0;
-  std::vector<const SubmapRecord*> candidates;
+  std::vector<const StoredSubmap*> candidates;
   for (const auto& item : records_) {
     if (!item.second.entry.submap->is_resident()) continue;
     resident += item.second.bytes;
@@ -70,8 +70,8 @@ void SubmapStore::page_out() {
   const auto limit = static_cast<std::size_t>(config_.max_resident_mb * 1e6);
   if (resident <= limit) return;
   std::sort(candidates.begin(), candidates.end(),
-            [](const SubmapRecord* a, const SubmapRecord* b) { return a->last_used < b->last_used; });
-  for (const SubmapRecord* record : candidates) {
+            [](const StoredSubmap* a, const StoredSubmap* b) { return a->last_used < b->last_used; });
+  for (const StoredSubmap* record : candidates) {
     if (resident <= limit) return;
     record->entry.submap->page_out(config_.page_dir + page_name(record->entry));
     resident -= record->bytes;
@@ -86,7 +86,7 @@ std::size_t SubmapStore::num_resident() const {
 std::size_t SubmapStore::memory_bytes() const {
   std::size_t bytes = 0;
   for (const auto& item : records_) {
-    const SubmapRecord& record = item.second;
+    const StoredSubmap& record = item.second;
     bytes += sizeof(item) + record.entry.submap->memory_bytes() + record.blocks.capacity() * sizeof(geometry::Index3) +
              record.entry.T_S_B.capacity() * sizeof(geometry::StampedPose);
   }

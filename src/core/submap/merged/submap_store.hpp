@@ -17,7 +17,7 @@ using SubmapKey = std::tuple<std::uint32_t, base::StampNs, std::uint32_t>;
 inline SubmapKey key_of(const SubmapEntry& entry) { return {entry.flight, entry.end_ns, entry.id}; }
 
 /// A submap of a collection, and how it was merged.
-struct SubmapRecord {
+struct StoredSubmap {
   SubmapEntry entry;
   bool has_memory = false;      ///< whether it holds remembered content, which it did not observe
   std::size_t bytes = 0;        ///< memory of the submap when it was added
@@ -37,21 +37,21 @@ class SubmapStore {
 
   void add(SubmapEntry entry);
   /// Returns null if there is no such submap.
-  SubmapRecord* find(std::uint32_t id);
-  const SubmapRecord* find(std::uint32_t id) const;
-  SubmapRecord& at(const SubmapKey& key) { return records_.at(key); }
-  const SubmapRecord& at(const SubmapKey& key) const { return records_.at(key); }
+  StoredSubmap* find(std::uint32_t id);
+  const StoredSubmap* find(std::uint32_t id) const;
+  StoredSubmap& at(const SubmapKey& key) { return records_.at(key); }
+  const StoredSubmap& at(const SubmapKey& key) const { return records_.at(key); }
   /// @param id  id of a submap of the store
   void remove(std::uint32_t id);
-  std::map<SubmapKey, SubmapRecord>& records() { return records_; }
-  const std::map<SubmapKey, SubmapRecord>& records() const { return records_; }
+  std::map<SubmapKey, StoredSubmap>& records() { return records_; }
+  const std::map<SubmapKey, StoredSubmap>& records() const { return records_; }
   std::size_t size() const { return records_.size(); }
   std::optional<std::uint32_t> highest_id() const;
   /// Returns true if the oldest submap has to be removed: the number of submaps or their memory exceeds its limit.
   bool is_over_limit() const;
 
   /// Marks a submap as the one that was used last.
-  void touch(SubmapRecord* record) { record->last_used = ++num_uses_; }
+  void touch(StoredSubmap* record) { record->last_used = ++num_uses_; }
   /// Moves the least recently used submaps to disk until the others fit the limit.
   void page_out();
   std::size_t num_resident() const;
@@ -59,7 +59,7 @@ class SubmapStore {
 
  private:
   SubmapCollectionConfig config_;
-  std::map<SubmapKey, SubmapRecord> records_;
+  std::map<SubmapKey, StoredSubmap> records_;
   std::map<std::uint32_t, SubmapKey> keys_;  ///< keys by id
   std::size_t bytes_ = 0;                    ///< memory of all submaps
   std::uint64_t num_uses_ = 0;

@@ -8,7 +8,7 @@
 namespace voxnav::submap {
 namespace {
 
-using containers::State;
+using containers::VoxelState;
 using geometry::Index3;
 using geometry::Vec3f;
 
@@ -82,10 +82,10 @@ void ProjectiveIntegrator::Volume::add_measured(const Index3& index, const Block
       voxel.believed.hits = static_cast<std::uint8_t>(std::min(255.f, std::ceil(block[i].weight)));
       voxel.observed = voxel.believed;
       content.occupied.push_back(voxel);
-      content.states.set(offset, State::kOccupied);
+      content.states.set(offset, VoxelState::kOccupied);
       normals.push_back(surface->normal);
     } else if (distance > 0.f) {
-      content.states.set(offset, State::kFree);
+      content.states.set(offset, VoxelState::kFree);
       content.observed_free[i / 64] |= std::uint64_t{1} << (i % 64);
     }
   }

@@ -77,10 +77,10 @@ std::vector<SurfacePoint> sample_surface(const SubmapContent& content, double re
     CellsOfBlock cells;
     for (std::size_t k = 0; k < inside.size(); ++k) {
       if (!(normals[k].quality > 0.f)) continue;
-      const ContentWindow::Place& place = window->places()[inside[k]];
+      const geometry::Index3& voxel = window->voxels()[inside[k]];
       const std::size_t number = window->numbers()[inside[k]];
-      const Vec3 p = (first + Vec3(place.x, place.y, place.z) + window->mean(inside[k]).cast<double>()) * resolution_m;
-      const int offset = geometry::offset_in_block({place.x, place.y, place.z});
+      const Vec3 p = (first + Vec3(voxel.x, voxel.y, voxel.z) + window->mean(inside[k]).cast<double>()) * resolution_m;
+      const int offset = geometry::offset_in_block(voxel);
       cells[static_cast<std::size_t>(cell_of(offset))].push_back(
           {p.cast<float>(), normals[k].normal, weight_of(normals[k].quality, content.points().believed(number).hits),
            content.points().phase_of(number)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "voxnav/graph/trajectory.hpp"
+#include "voxnav/graph/correct_trajectory.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "submap/content/nearest_voxel.hpp"
+#include "submap/content/nearest_point.hpp"
 
 #include <cstdlib>
 
@@ -28,7 +28,7 @@ class Search {
   Search(const SubmapContent& content, const Vec3& p, double limit, NearestTarget target)
       : content_(content), p_(p), target_(target), best_{Vec3::Zero(), limit} {}
 
-  const NearestVoxel& best() const { return best_; }
+  const NearestPoint& best() const { return best_; }
   void look_into(std::size_t position) {
     const BlockStates& states = content_.states();
     if (!states.has_occupied(position)) return;
@@ -54,7 +54,7 @@ class Search {
   const SubmapContent& content_;
   const Vec3 p_;
   const NearestTarget target_;
-  NearestVoxel best_;
+  NearestPoint best_;
 };
 
 /// Calls f(step) for every block of the shell with radius `shell` around a block: the blocks whose largest offset on
@@ -71,7 +71,7 @@ void for_each_of_shell(int shell, F&& f) {
 
 }  // namespace
 
-std::optional<NearestVoxel> find_nearest(const SubmapContent& content, const Vec3& p, double max_distance,
+std::optional<NearestPoint> find_nearest(const SubmapContent& content, const Vec3& p, double max_distance,
                                          NearestTarget target) {
   const BlockStates& states = content.states();
   const double limit = max_distance * max_distance;
