@@ -167,7 +167,8 @@ void bind_submap_graph(py::module_& m) {
   cls.def_static(
       "from_g2o", &SubmapGraph::from_g2o, py::arg("text"), py::arg("config") = graph::SubmapGraphConfig(),
       "Makes a graph from g2o text (SE3:QUAT or SE2). Edges between neighbouring ids become odometry, others "
-      "loops.\n\nRaises ValueError that names line and fault.");
+      "loops.\nKeys of GTSAM (one letter) become their index. Priors, landmarks and TORO files are refused.\n\n"
+      "Raises ValueError that names line and fault.");
 }
 
 std::vector<graph::SubmapCorrection> corrections_of(const py::array& spans_s, const py::array& T_O_S,
