@@ -14,7 +14,7 @@ struct TrackerAxisLimits {
   double jerk;
 };
 
-/// What the vehicle may do. Horizontal limits hold for the norm of the x-y vector.
+/// The limits of the vehicle's motion. Horizontal limits hold for the norm of the x-y vector.
 struct TrackerLimits {
   TrackerAxisLimits horizontal;
   TrackerAxisLimits ascending;
@@ -24,7 +24,7 @@ struct TrackerLimits {
   /// The smaller of the two, which therefore holds upwards and downwards alike.
   double vertical_acceleration() const;
   double vertical_jerk() const;
-  /// The same limits with every number multiplied by `ratio`.
+  /// Returns these limits with every number multiplied by `ratio`.
   TrackerLimits scaled(double ratio) const;
 };
 

@@ -8,7 +8,7 @@
 
 namespace voxnav_simulation {
 
-/// What the lidar_simulator node needs besides the sensor itself.
+/// Parameters of the lidar_simulator node besides those of the sensor.
 struct LidarSimulatorConfig {
   std::string world_yaml = "";
   int seed = 1;

@@ -17,7 +17,7 @@ struct MotionState {
   Vector jerk = Vector::Zero();
 };
 
-/// Where the point should be, and how that place moves.
+/// The place where the point should be, and its motion.
 template <int N>
 struct MotionReference {
   using Vector = Eigen::Matrix<double, N, 1>;

@@ -38,7 +38,7 @@ class LockStep {
   void leave_behind(const std::string& node);
   /// The listed nodes that have never reported.
   std::vector<std::string> unseen() const;
-  /// Whether there is a leader that has not spoken yet.
+  /// Returns true if there is a leader that has not reported yet.
   bool is_waiting_for_leader() const { return !leader_.empty() && !has_leader_reported_; }
 
  private:

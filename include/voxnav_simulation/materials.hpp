@@ -6,7 +6,7 @@
 
 namespace voxnav_simulation {
 
-/// What a triangle belongs to; quality metrics are kept per class.
+/// The kind of thing to which a triangle belongs; quality metrics are kept for each class.
 enum class SurfaceClass : std::uint8_t {
   kTerrain = 0,
   kTrunk = 1,
@@ -21,7 +21,7 @@ inline constexpr int kNumSurfaceClasses = 8;
 
 const char* name_of(SurfaceClass surface_class);
 
-/// How a class answers a laser beam (near infrared, 865 nm) and how it is drawn.
+/// The reflectance of a class for a laser beam (near infrared, 865 nm), and its colour.
 struct Material {
   double reflectance;  ///< share of the light that comes back at normal incidence, 0 to 1
   std::array<std::uint8_t, 3> rgb;

@@ -11,7 +11,7 @@
 
 namespace voxnav_simulation {
 
-/// Where a ray met the world.
+/// The hit of a ray.
 struct Hit {
   float range_m = std::numeric_limits<float>::infinity();  ///< infinite when nothing was met
   float cos_incidence = 0.0F;                              ///< 0 grazing, 1 head-on
@@ -48,7 +48,7 @@ class Scene {
 
   /// Puts the vehicle elsewhere. @return false when there is no vehicle, or no ground at that place
   bool move_vehicle(double x, double y, double heading_rad);
-  /// Where the vehicle stands, or nothing when the world has none.
+  /// Returns the pose of the vehicle, or nothing if the world has none.
   std::optional<Pose> vehicle_pose() const;
 
  private:

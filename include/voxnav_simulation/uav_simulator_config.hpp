@@ -8,7 +8,7 @@
 
 namespace voxnav_simulation {
 
-/// What the uav_simulator node needs besides the vehicle itself.
+/// Parameters of the uav_simulator node besides those of the vehicle.
 struct UavSimulatorConfig {
   std::string world_yaml = "";
   int seed = 1;

@@ -18,7 +18,7 @@ struct Stem {
   SurfaceClass surface_class;  ///< kTrunk or kPole
 };
 
-/// How many objects of each kind there are; fewer than asked for where no more found room.
+/// The number of objects of each kind; lower than requested if no more found room.
 struct WorldCounts {
   int num_trees = 0;
   int num_bushes = 0;

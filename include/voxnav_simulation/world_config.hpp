@@ -9,7 +9,7 @@
 
 namespace voxnav_simulation {
 
-/// What a generated world contains; worlds/*.yaml hold complete sets.
+/// The contents of a generated world; worlds/*.yaml hold complete sets.
 struct WorldConfig {
   std::array<double, 2> min_corner_m{-20.0, -30.0};
   std::array<double, 2> size_m{120.0, 60.0};

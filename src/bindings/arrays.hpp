@@ -63,7 +63,7 @@ py::array_t<T> array_from(std::vector<T>&& values, const std::vector<py::ssize_t
   return py::array_t<T>(shape, owned->data(), free_when_done);
 }
 
-/// The same with rows of `columns` numbers; `columns` = 0 makes a flat array.
+/// Hands over a vector as an array with rows of `columns` numbers; `columns` = 0 makes a flat array.
 template <class T>
 py::array_t<T> array_from(std::vector<T>&& values, py::ssize_t columns) {
   const auto size = static_cast<py::ssize_t>(values.size());

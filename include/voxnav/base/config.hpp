@@ -33,7 +33,7 @@ class ConfigError : public std::invalid_argument {
   std::vector<std::string> problems_;
 };
 
-/// What a field accepts: numbers inside [min, max] (bounds inclusive), or one of the words of an enum.
+/// The values that a field accepts: numbers inside [min, max] (bounds inclusive), or one of the words of an enum.
 struct Rule {
   double min;
   double max;

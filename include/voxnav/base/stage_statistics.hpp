@@ -26,7 +26,7 @@ class DurationHistogram {
   double max_ms_ = 0.0;
 };
 
-/// What one stage of a node costs; the numbers of diagnostics and of metrics.json. Not thread-safe.
+/// The cost of one stage of a node, with the numbers of diagnostics and of metrics.json. Not thread-safe.
 struct StageStatistics {
   DurationHistogram wall;
   DurationHistogram cpu;

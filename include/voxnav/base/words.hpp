@@ -17,7 +17,7 @@
 /// Code decides by the enumerators; the words are made and understood only where text comes in or goes out.
 namespace voxnav::base {
 
-/// Says whether a type is an enum with words.
+/// True for a type that is an enum with words.
 template <class E, class = void>
 struct HasWords : std::false_type {};
 template <class E>

@@ -9,12 +9,12 @@
 
 namespace voxnav::cloud {
 
-/// How far the UAV's own parts reach in each direction of the sensor, on a grid of 2 x 2 degrees. Frame L.
+/// The reach of the UAV's own parts in each direction of the sensor, on a grid of 2 x 2 degrees. Frame L.
 class BodyMask {
  public:
   static constexpr int kRows = 90, kColumns = 180;
 
-  /// No part anywhere.
+  /// Makes a mask without any part.
   BodyMask() : reach_m_(kRows * kColumns, 0.0F) {}
   bool covers(float x, float y, float z) const {
     const float reach = reach_m_[bin_of(x, y, z)];

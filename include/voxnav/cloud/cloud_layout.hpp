@@ -36,7 +36,7 @@ struct CloudField {
   std::uint32_t count = 1;  ///< 0 is read as 1, as common drivers mean it
 };
 
-/// How the bytes of a cloud are declared to be laid out (sensor_msgs/PointCloud2 without its header).
+/// The declared layout of the bytes of a cloud (sensor_msgs/PointCloud2 without its header).
 struct CloudLayout {
   std::uint32_t height = 1;
   std::uint32_t width = 0;
@@ -47,17 +47,17 @@ struct CloudLayout {
 
   std::uint64_t num_points() const { return static_cast<std::uint64_t>(height) * width; }
   const CloudField* find(const std::string& name) const;
-  /// Why a buffer of `data_size` bytes cannot be read as this layout, in words for the user; empty when it can.
+  /// Explains to the user why a buffer of `data_size` bytes cannot be read with this layout; empty if it can.
   std::string problem(std::size_t data_size) const;
 };
 
-/// Where one scalar lies within a point.
+/// The position and type of one scalar within a point.
 struct FieldAccess {
   std::uint32_t offset = 0;
   FieldType type = FieldType::kFloat32;
 };
 
-/// How the time field of a driver is to be read.
+/// The meaning of the time field of a driver.
 enum class TimeUnit : std::uint8_t { kNanosecondsAfterStamp, kSecondsAfterStamp, kSecondsAbsolute };
 
 /// Field names and types of the usual drivers, resolved to byte positions:
@@ -96,10 +96,10 @@ class RawCloudView {
   const std::uint8_t* data_;
 };
 
-/// One value of any type as a double (exact for every type a field can have).
+/// Reads one value of any type as a double (exact for every type that a field can have).
 double read_number(const std::uint8_t* point, const FieldAccess& field);
 
-/// The same as a float; quick for the usual type.
+/// Reads one value of any type as a float; fast for the usual type.
 inline float read_float(const std::uint8_t* point, const FieldAccess& field) {
   if (field.type != FieldType::kFloat32) return static_cast<float>(read_number(point, field));
   float value;

@@ -47,7 +47,7 @@ class OpenBeams {
   const std::vector<geometry::Vec3f>& find(const RawCloudView& cloud);
 
  private:
-  /// What the returns of one row say about where it looks.
+  /// The directions of one row of the sensor, estimated from its returns.
   struct Row {
     std::complex<double> azimuth[2];  ///< sum of unit vectors at column 0, if columns turn left, right
     double elevation_rad = 0.0;       ///< sum

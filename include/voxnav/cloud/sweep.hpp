@@ -9,9 +9,10 @@
 
 namespace voxnav::cloud {
 
-/// One turn of a LiDAR as all parts after the filter take it: what returned, when, and where nothing did.
+/// One turn of a LiDAR, the form in which all parts after the filter take clouds: points with their times, and open
+/// beams.
 struct Sweep {
-  base::StampNs stamp_ns = 0;           ///< of the message, by which its work is reported
+  base::StampNs stamp_ns = 0;           ///< stamp of the message, which nodes report when they have processed it
   base::StampNs start_ns = 0;           ///< when the sweep began: the stamp, or earlier when point times are negative
   std::string frame;                    ///< L, the frame of the points; empty where only one sensor is meant
   std::vector<geometry::Vec3f> points;  ///< m, each as the sensor saw it at its time; may be not finite
@@ -25,8 +26,8 @@ struct Sweep {
 /// frame is left to the caller. O(points).
 Sweep read_sweep(const RawCloudView& cloud);
 
-/// The same sweep that read_sweep() finds in the message of a filtered cloud, without the detour over its bytes.
-/// @param stamp_ns of the raw cloud
+/// Makes the same sweep that read_sweep() would read from the message of a filtered cloud, without serialising it.
+/// @param stamp_ns  stamp of the raw cloud
 Sweep sweep_of(const FilterResult& filtered, base::StampNs stamp_ns, std::vector<geometry::Vec3f> open_beams);
 
 }  // namespace voxnav::cloud

@@ -22,7 +22,8 @@ struct ImuSample {
 /// Covariance of a pose. The order is translation x y z, then rotation x y z, all in the axes of frame O.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// How the pose of a cloud came about. The values are those of msg/OdometryQuality.msg.
+/// The state of an odometry, which tells how the pose of a cloud was found. The values are those of
+/// msg/OdometryQuality.msg.
 enum class OdometryState : std::uint8_t {
   kInitializing = 0,  ///< there is no map to register to yet
   kTracking = 1,      ///< the pose follows from registration
@@ -48,7 +49,7 @@ constexpr auto words_of(OdometryReason) {
                     "few_inliers", "not_converged", "moved_too_far",  "turned_too_far", "old_stamp"};
 }
 
-/// How far the pose of one cloud may be trusted.
+/// The quality of the pose of one cloud.
 struct Quality {
   OdometryState state = OdometryState::kInitializing;
   OdometryReason reason_kind = OdometryReason::kNone;
@@ -57,7 +58,7 @@ struct Quality {
   double residual_m = 0.0;    ///< root mean square distance of the inliers from the map
   int iterations = 0;
   int num_points = 0;  ///< points of the cloud that took part in the registration
-  /// How strongly the surroundings hold the pose: share of the information per direction of translation, then of
+  /// How well the surroundings determine the pose: share of the information in each direction of translation, then of
   /// rotation, each smallest first; 1/3 = evenly spread.
   std::array<double, 6> eigenvalues{};
   bool is_degenerate = false;  ///< some direction is not held, and the pose follows the prediction there

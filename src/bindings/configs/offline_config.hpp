@@ -8,7 +8,7 @@
 
 namespace voxnav::bindings {
 
-/// Where the poses of a recording's scans come from.
+/// The source of the poses of a recording's scans.
 enum class PoseSource { kAuto, kRecording, kLidar };
 constexpr auto words_of(PoseSource) { return std::array{"auto", "recording", "lidar"}; }
 

@@ -12,7 +12,7 @@ namespace voxnav::base {
 /// CRC-32 (IEEE 802.3) of a byte range.
 std::uint32_t crc32(const char* data, std::size_t size);
 
-/// How the bytes of a file or message of ours begin: with eight bytes that say what they hold and in which form.
+/// The header of our files and messages: eight bytes that tell their content and the version of its format.
 struct Format {
   std::uint32_t magic;
   std::uint32_t version;

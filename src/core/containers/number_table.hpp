@@ -54,8 +54,8 @@ class NumberTable {
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFu;
   static constexpr std::size_t kLeastSlots = 16;
 
-  /// Where the number of a key stands, or would stand: there is always an empty slot to end at. The number of slots is
-  /// a power of two, so that lower bits are a remainder.
+  /// Returns the slot of a key, or the empty slot where it would go; there is always an empty one. The number of slots
+  /// is a power of two, so that lower bits are a remainder.
   template <class KeyOf>
   std::size_t slot_of(const Key& key, KeyOf&& key_of) const {
     const std::size_t mask = slots_.size() - 1;

@@ -23,7 +23,7 @@ class PoseBuffer {
 
   /// The pose at a stamp; nothing outside of the time that is covered. O(log n).
   std::optional<Pose> at(base::StampNs stamp_ns) const;
-  /// Whether a stamp lies before the oldest pose, so that no later one will ever tell.
+  /// Returns true if a stamp lies before the oldest pose, so that no later pose can make it known.
   bool is_before_all(base::StampNs stamp_ns) const;
   bool empty() const { return poses_.empty(); }
 

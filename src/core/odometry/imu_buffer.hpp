@@ -10,7 +10,7 @@
 
 namespace voxnav::odometry {
 
-/// The last seconds of IMU data, bounded. Not thread-safe.
+/// A bounded buffer of the last seconds of IMU data. Not thread-safe.
 /// A sample whose stamp is far from the others is refused, so that one with a broken stamp does not make all later ones
 /// look old. When the samples after it confirm its time, the clock was set anew, and those of the old clock are
 /// forgotten.
@@ -34,7 +34,7 @@ class ImuBuffer {
   /// samples leave a gap longer than max_gap_s anywhere in between.
   std::optional<Eigen::Quaterniond> rotation(base::StampNs from_ns, base::StampNs to_ns,
                                              const geometry::Vec3& bias_radps, double max_gap_s) const;
-  /// Mean specific force over a time span; nothing without samples in it.
+  /// Returns the mean specific force over a time span; nothing if it contains no samples.
   std::optional<geometry::Vec3> mean_acceleration(base::StampNs from_ns, base::StampNs to_ns) const;
 
  private:

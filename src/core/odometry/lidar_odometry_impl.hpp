@@ -14,7 +14,7 @@
 
 namespace voxnav::odometry {
 
-/// What LidarOdometry remembers from cloud to cloud, and the steps of one cloud.
+/// The state of LidarOdometry between clouds, and the steps of one cloud.
 class LidarOdometry::Impl {
  public:
   Impl(const LidarOdometryConfig& config, const geometry::Pose& T_B_L);
@@ -42,7 +42,7 @@ class LidarOdometry::Impl {
   };
   static Sweep sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s);
   std::vector<Eigen::Isometry3f> poses_within(const Sweep& sweep, const Prediction& prediction) const;
-  /// Whether a cloud cannot be used because of its stamp; `refused` then receives what add_cloud() returns.
+  /// Returns true if a cloud cannot be used because of its stamp; `refused` then receives the result of add_cloud().
   bool refuse_time(base::StampNs stamp_ns, OdometryResult* refused);
   void begin(base::StampNs start_ns, base::StampNs end_ns);
   Prediction predict(base::StampNs stamp_ns) const;
@@ -50,7 +50,7 @@ class LidarOdometry::Impl {
   void prepare_points(const Sweep& sweep, const std::vector<geometry::Vec3f>& points_L,
                       const std::vector<float>& times_s, const Prediction& prediction);
   Matrix6 predicted_covariance(const Prediction& prediction) const;
-  /// Why a registration is not trusted, as a reason and its sentence; kNone when it is.
+  /// Tells why a registration is not trusted, as a reason and its sentence; kNone if it is trusted.
   using Explanation = std::pair<OdometryReason, std::string>;
   Explanation distrust(const RegistrationResult& found, const Prediction& prediction) const;
   void track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted_covariance);

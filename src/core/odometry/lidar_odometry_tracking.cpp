@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What LidarOdometry makes of a registration: whether it is trusted, and the pose, velocity and covariance that follow.
+// How LidarOdometry uses a registration: it decides whether to trust it, and updates pose, velocity and covariance.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -101,7 +101,7 @@ void LidarOdometry::Impl::track(const RegistrationResult& found, const Predictio
   const Matrix6 information = without_weak_directions(found.information, found.localizability) / noise_var;
   local_covariance_ = (predicted.inverse() + information).inverse();
   local_covariance_ = 0.5 * (local_covariance_ + local_covariance_.transpose()).eval();
-  // Where the pose only follows the prediction, the gate must stay wide enough to find the surroundings again.
+  // While the pose only follows the prediction, the gate must stay wide enough to find the surroundings again.
   for (const Vec3& v : found.localizability.weak_translations) {
     const double sigma = std::sqrt(v.dot(local_covariance_.topLeftCorner<3, 3>() * v));
     sigma_m_ = std::min(std::max(sigma_m_, sigma), config_.initial_threshold_m);

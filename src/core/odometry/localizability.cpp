@@ -33,7 +33,7 @@ Matrix6 mean_information(const std::vector<Contribution>& contributions) {
   return sum / static_cast<double>(contributions.size());
 }
 
-/// How much of a translation those matches tell whose normals clearly point along it.
+/// Returns the information about a translation of those matches whose normals clearly point along it.
 double strong_translation(const std::vector<Contribution>& contributions, const Vec3& direction) {
   const Vec3f v = direction.cast<float>();
   double sum = 0.0;
@@ -44,7 +44,8 @@ double strong_translation(const std::vector<Contribution>& contributions, const 
   return sum / static_cast<double>(contributions.size());
 }
 
-/// How much of a turn about an axis those matches tell whose points move clearly along their normals in it.
+/// Returns the information about a rotation about an axis of those matches whose points move clearly along their
+/// normals.
 /// @param mean_arm_sq  receives the mean square of how far the points move per radian [m^2]
 double strong_rotation(const std::vector<Contribution>& contributions, const Vec3& axis, double* mean_arm_sq) {
   const Vec3f v = axis.cast<float>();

@@ -72,7 +72,7 @@ class PointMap {
   /// Removes the voxels farther away than `radius_m`. If the bound is reached nevertheless, the farthest ones go too,
   /// until three quarters of it are left.
   void keep_around(const Vec3f& center_O, double radius_m);
-  /// The nearest point within max_distance_m and within two voxels on each axis; null when there is none.
+  /// Returns the nearest point within max_distance_m and within two voxels on each axis; null if there is none.
   MapPoint* nearest(const Vec3f& point_O, double max_distance_m);
   /// Fits the surface around a map point unless its last fit is recent enough. A line is believed only if it stands
   /// along `sensor_up_O`, since the rings that a spinning sensor draws look like lines across that axis.
@@ -91,8 +91,8 @@ class PointMap {
   MapPoint* points_of(std::uint32_t voxel) { return points_.data() + std::size_t{voxel} * capacity_; }
   void insert_point(const Vec3f& point);
   void rebuild(const std::vector<std::uint32_t>& kept);
-  /// Whether a line has air around it, as poles and trunks do. A column of beams on a wall looks like a line too, but
-  /// that line moves with the sensor.
+  /// Returns true if a line has air around it, as poles and trunks do. A column of beams on a wall looks like a line,
+  /// but that line moves with the sensor.
   bool stands_alone(const MapPoint& line) const;
   void search_cell(VoxelKey key, const Vec3f& point, float* best_sq, MapPoint** best);
 

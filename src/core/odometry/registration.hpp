@@ -9,7 +9,7 @@
 
 namespace voxnav::odometry {
 
-/// What is known of the pose before the points of a scan are used.
+/// The prior of a registration: the predicted pose with its information.
 struct PosePrior {
   geometry::Pose T_O_B = geometry::Pose::Identity();
   Matrix6 information = Matrix6::Zero();  ///< inverse covariance of T_O_B

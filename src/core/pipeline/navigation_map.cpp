@@ -23,13 +23,13 @@ NavigationMap::Applied NavigationMap::Layer::apply(const containers::GridUpdate&
   const bool is_fitting = grid != nullptr && grid->resolution_m() == resolution_m;
   if (!update.is_snapshot) {
     if (!is_fitting) return Applied::kNeedsSnapshot;
-    // A snapshot from the service may overtake changes that are still on their way.
+    // A snapshot from the service may arrive before changes that were sent earlier.
     if (static_cast<std::int32_t>(next - sequence) <= 0) {
       return ++num_ignored > kMaxIgnored ? Applied::kNeedsSnapshot : Applied::kIgnored;
     }
     if (next != sequence + 1) return Applied::kNeedsSnapshot;
   }
-  // Views hold the grid they were made from: they must not see it change.
+  // The grid is copied if a view holds it, since views must not see it change.
   std::shared_ptr<containers::StateGrid> changed = grid;
   if (!is_fitting || update.is_snapshot) {
     changed = std::make_shared<containers::StateGrid>(resolution_m);

@@ -7,7 +7,7 @@
 
 namespace voxnav::pipeline {
 
-/// One snapshot of a NavigationMap.
+/// A snapshot of a NavigationMap, as the interface of planning.
 class NavigationView : public planning::OccupancyView {
  public:
   struct Content {

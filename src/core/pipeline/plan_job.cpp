@@ -12,9 +12,10 @@ namespace {
 using containers::VoxelState;
 using geometry::Vec3;
 
-/// Full corridors that end this soon are tried again with the vehicle's own radius.
+/// If the corridor of full radius ends within this distance, it is tried again with the vehicle's own radius.
 constexpr double kTightStart_m = 0.5;
-/// A path that ends this share of the goal's tolerance from a blocked goal has got there; the rest is for tracking.
+/// A path that ends within this share of the goal's tolerance of a blocked goal counts as reaching it; the rest of the
+/// tolerance is left for tracking.
 constexpr double kSubstituteShare = 0.75;
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0, double d = 0.0) {
@@ -23,7 +24,7 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0, d
   return buffer;
 }
 
-/// The path with its ends at the exact start and, if it gets there, the exact goal; at least two points.
+/// Returns the path with its ends at the exact start and, if it reaches it, the exact goal; it has at least two points.
 std::vector<Vec3> exact_line(const planning::PlanResult& plan, const Vec3& start, const Vec3& goal) {
   std::vector<Vec3> line = plan.path;
   if (line.size() == 1) line.push_back(line.front());

@@ -7,10 +7,10 @@
 namespace voxnav::pipeline {
 namespace {
 
-/// Poses kept of one submap of clouds, which would otherwise grow for as long as nothing closes it.
+/// Bound on the pose history of a submap of clouds, which would otherwise grow as long as nothing closes the submap.
 constexpr std::size_t kMaxPoses = 10000;
 
-/// What a handover says besides its content.
+/// Copies the fields of a handover besides its content.
 submap::SubmapEntry entry_of(const Handover& handover) {
   submap::SubmapEntry entry;
   entry.id = handover.submap_id;

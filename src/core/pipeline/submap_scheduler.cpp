@@ -36,7 +36,8 @@ void SubmapScheduler::request_close(const std::string& reason) {
   if (is_open() && requested_.empty()) requested_ = reason;
 }
 
-/// The first and the newest pose are always kept, so that the history spans the whole submap.
+/// Adds a pose to the history, of which every other pose is dropped when it is full. The first and the newest pose are
+/// always kept, so that it spans the whole submap.
 void SubmapScheduler::keep_pose(base::StampNs stamp_ns, const geometry::Pose& T_O_B) {
   if (poses_.size() + 1 >= static_cast<std::size_t>(config_.max_poses)) {
     std::size_t kept = 0;

@@ -38,7 +38,7 @@ class UavFrames {
   tf2_ros::TransformListener listener_;
 };
 
-/// The same reference and heading, expressed in another frame.
+/// Returns a reference and heading expressed in another frame.
 voxnav_simulation::HeadedPoint transformed(const voxnav::geometry::Pose& T_A_B,
                                            const voxnav_simulation::HeadedPoint& point_B);
 

@@ -27,7 +27,7 @@ using voxnav_simulation::Uav;
 using voxnav_simulation::UavSimulatorConfig;
 
 constexpr int kNumPredicted = 40;
-/// How many seconds ahead the i-th sample of the tracker's prediction lies.
+/// Returns how many seconds ahead the i-th sample of the tracker's prediction lies.
 inline double predicted_ahead_s(int i) { return 0.01 + 0.2 * i; }
 
 /// The odometry, with its twist in the body frame as nav_msgs asks for.

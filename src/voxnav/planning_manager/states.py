@@ -32,7 +32,7 @@ class OwnHover:
 
 @dataclass(frozen=True, eq=False)
 class Leads:
-    """Where a trajectory leads."""
+    """The end of a trajectory: its distance from the goal and its corridor."""
 
     radius_m: float  # known free around it
     is_to_goal: bool
