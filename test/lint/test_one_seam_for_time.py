@@ -24,3 +24,11 @@ def test_flight_code_does_not_know_which_time_it_runs_on():
             found += ["%s:%d: %s" % (path, number, line.strip()) for number, line in enumerate(source, 1)
                       if WORDS.search(line)]
     assert not found, "\n".join(found)
+
+
+def test_the_simulation_stands_still_as_long_as_the_seam_expects():
+    with open(os.path.join(ROOT, "launch/simulation.launch")) as launch:
+        lag_s = re.search(r'name="node/lockstep_lag_s" value="([0-9.]+)"', launch.read()).group(1)
+    with open(os.path.join(ROOT, "src/voxnav/nodes/time_seam.py")) as seam:
+        sweep_s = re.search(r"^SWEEP_S = ([0-9.]+)$", seam.read(), re.MULTILINE).group(1)
+    assert float(lag_s) == float(sweep_s)
