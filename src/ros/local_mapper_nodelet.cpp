@@ -39,6 +39,7 @@ void LocalMapperNodelet::initialize() {
   tf_ = std::make_unique<TfLocator>(config_.odometry_frame, config_.body_frame);
   const pipeline::SweepLocator* locator = tf_.get();
   if (uses_odometry_) locator = &poses_;
+  poses_.set_max_gap(voxnav::base::from_seconds(mapper.max_pose_gap_s));
   mapper_ = std::make_unique<pipeline::Mapper>(mapper, voxnav::geometry::Pose::Identity(), locator);
   advertise();
 }

@@ -407,10 +407,12 @@ class MapperConfig:
     use_deskew: bool
     max_pending_scans: int
     max_jump_m: float
+    max_pose_gap_s: float
     vehicle_radius_m: float
     def __init__(
         self, *,
-        use_deskew: bool = ..., max_pending_scans: int = ..., max_jump_m: float = ..., vehicle_radius_m: float = ...
+        use_deskew: bool = ..., max_pending_scans: int = ..., max_jump_m: float = ..., max_pose_gap_s: float = ...,
+        vehicle_radius_m: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> MapperConfig: ...

@@ -127,7 +127,7 @@ def test_poses_are_interpolated_and_never_extrapolated(tmp_path):
     turned = voxnav.interpolate_pose(simulation.pose(0, 0, 0, 3.0), simulation.pose(2, 0, 0, -3.0), 0.5)
     assert np.allclose(turned[:3, 3], (1, 0, 0))
     assert abs(voxnav.yaw_of(turned)) == pytest.approx(np.pi)  # the short way around
-    mapper = voxnav.Mapper(voxnav.MapperConfig())
+    mapper = voxnav.Mapper(voxnav.MapperConfig(max_pose_gap_s=1.0))
     result = voxnav.CloudFilter(voxnav.CloudFilterConfig()).apply(np.full((20, 4), 5.0, np.float32))
     for stamp_s in (0.99, 1.5, 2.01):
         mapper.queue_sweep(result.sweep(int(1e9 * stamp_s)))
@@ -139,3 +139,17 @@ def test_poses_are_interpolated_and_never_extrapolated(tmp_path):
         steps.append(mapper.next())
     assert [s.fate for s in steps] == [voxnav.SweepFate.NO_POSE, voxnav.SweepFate.MAPPED, voxnav.SweepFate.NO_POSE]
     assert np.allclose(steps[1].T_O_B[:3, 3], (1, 0, 0))
+
+
+def test_poses_are_not_interpolated_over_a_gap():
+    mapper = voxnav.Mapper(voxnav.MapperConfig(max_pose_gap_s=0.9))
+    result = voxnav.CloudFilter(voxnav.CloudFilterConfig()).apply(np.full((20, 4), 5.0, np.float32))
+    for stamp_s in (1.0, 1.5, 2.0):
+        mapper.queue_sweep(result.sweep(int(1e9 * stamp_s)))
+    for stamp_s in (1.0, 2.0):
+        mapper.add_pose(int(1e9 * stamp_s), np.eye(4))
+    steps = []
+    while mapper.has_next():
+        steps.append(mapper.next())
+    assert [s.fate for s in steps] == [voxnav.SweepFate.MAPPED, voxnav.SweepFate.NO_POSE, voxnav.SweepFate.MAPPED]
+    assert "1.0" in steps[1].reason and "apart" in steps[1].reason

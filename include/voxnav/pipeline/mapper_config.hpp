@@ -31,6 +31,7 @@ struct MapperConfig {
   bool use_deskew = true;
   int max_pending_scans = 5;
   double max_jump_m = 10.0;
+  double max_pose_gap_s = 0.3;
   double vehicle_radius_m = 0.8;
 
   occupancy::LocalMapConfig map;
@@ -49,6 +50,9 @@ struct MapperConfig {
     v("max_pending_scans", &C::max_pending_scans, base::in(1, 1000), "", "scans that may wait for their pose");
     v("max_jump_m", &C::max_jump_m, base::in(0.1, 10000.0), "m",
       "a pose that jumps farther between scans clears the map");
+    v("max_pose_gap_s", &C::max_pose_gap_s, base::in(0.01, 10.0), "s",
+      "poses of odometry messages or of a recording that are farther apart do not tell where the body was between "
+      "them");
     v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0.0, 10.0), "m",
       "voxels this near to the body are marked as free unless they are occupied; 0 = off");
   }

@@ -71,6 +71,8 @@ class PoseLocator final : public SweepLocator {
   PoseLocator& operator=(PoseLocator&&) noexcept;
 
   void set_mount(const geometry::Pose& T_B_L) { T_B_L_ = T_B_L; }
+  /// Poses farther apart than this do not tell where the body was between them; without a limit all do.
+  void set_max_gap(std::optional<base::StampNs> max_gap_ns);
   /// @return false for a pose that is refused: late, alone on another clock, or not rigid
   bool add(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
   SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const override;

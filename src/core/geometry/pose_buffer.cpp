@@ -21,9 +21,22 @@ void PoseBuffer::clear() {
   clock_.reset();
 }
 
+std::deque<StampedPose>::const_iterator PoseBuffer::not_before(base::StampNs stamp_ns) const {
+  return std::lower_bound(poses_.begin(), poses_.end(), stamp_ns,
+                          [](const StampedPose& pose, base::StampNs t) { return pose.stamp_ns < t; });
+}
+
+std::optional<base::StampNs> PoseBuffer::gap_around(base::StampNs stamp_ns) const {
+  const auto after = not_before(stamp_ns);
+  if (!max_gap_ns_ || after == poses_.end() || after->stamp_ns == stamp_ns || after == poses_.begin())
+    return std::nullopt;
+  const base::StampNs apart_ns = after->stamp_ns - std::prev(after)->stamp_ns;
+  return apart_ns > *max_gap_ns_ ? std::optional(apart_ns) : std::nullopt;
+}
+
 std::optional<Pose> PoseBuffer::at(base::StampNs stamp_ns) const {
-  const auto after = std::lower_bound(poses_.begin(), poses_.end(), stamp_ns,
-                                      [](const StampedPose& pose, base::StampNs t) { return pose.stamp_ns < t; });
+  if (gap_around(stamp_ns)) return std::nullopt;
+  const auto after = not_before(stamp_ns);
   if (after == poses_.end()) return std::nullopt;
   if (after->stamp_ns == stamp_ns) return after->pose;
   if (after == poses_.begin()) return std::nullopt;

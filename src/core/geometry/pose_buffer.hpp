@@ -20,16 +20,23 @@ class PoseBuffer {
   /// @return false when it was refused, or is not a rigid transform
   bool add(base::StampNs stamp_ns, const Pose& pose);
   void clear();
+  /// Poses farther apart than this do not tell where the frame was between them; without a limit all do.
+  void set_max_gap_ns(std::optional<base::StampNs> max_gap_ns) { max_gap_ns_ = max_gap_ns; }
 
-  /// The pose at a stamp; nothing outside of the time that is covered. O(log n).
+  /// The pose at a stamp; nothing outside of the time that is covered, or within a gap. O(log n).
   std::optional<Pose> at(base::StampNs stamp_ns) const;
+  /// How far the two poses around a stamp are apart, if that is too far; then no later one will ever tell. O(log n).
+  std::optional<base::StampNs> gap_around(base::StampNs stamp_ns) const;
   /// Returns true if a stamp lies before the oldest pose, so that no later pose can make it known.
   bool is_before_all(base::StampNs stamp_ns) const;
   bool empty() const { return poses_.empty(); }
 
  private:
+  std::deque<StampedPose>::const_iterator not_before(base::StampNs stamp_ns) const;
+
   std::deque<StampedPose> poses_;
   base::ClockWatch clock_ = base::ClockWatch({});
+  std::optional<base::StampNs> max_gap_ns_;
 };
 
 }  // namespace voxnav::geometry

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/pipeline/mapper.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +15,9 @@ namespace voxnav::pipeline {
 namespace {
 
 using geometry::Pose;
+
+/// The mapper's own odometry gives one pose per sweep: one that is lost of a slow sensor leaves no gap.
+constexpr double kMaxOwnPoseGap_s = 0.5;
 
 std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
 
@@ -69,6 +73,8 @@ Mapper::Impl::Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const S
       locator(other_locator ? other_locator : &own_locator),
       gate({config.odometry && config.odometry->use_imu}) {
   own_locator.set_mount(T_B_L);
+  own_locator.set_max_gap(
+      base::from_seconds(std::max(config.max_pose_gap_s, config.odometry ? kMaxOwnPoseGap_s : 0.0)));
   if (config.odometry) odometry.emplace(*config.odometry, T_B_L);
 }
 

@@ -3,11 +3,25 @@
 #include "voxnav/pipeline/sweep_locator.hpp"
 
 namespace voxnav::pipeline {
+namespace {
+
+/// How far the poses around the beginning, the middle or the end of a sweep are apart, where that is too far.
+std::optional<base::StampNs> gap_in(const geometry::PoseBuffer& poses, base::StampNs start_ns,
+                                    std::uint32_t duration_ns) {
+  for (const std::uint32_t after_ns : {std::uint32_t{0}, duration_ns / 2, duration_ns}) {
+    if (const auto gap_ns = poses.gap_around(start_ns + after_ns)) return gap_ns;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 PoseLocator::PoseLocator() : poses_(std::make_unique<geometry::PoseBuffer>()) {}
 PoseLocator::~PoseLocator() = default;
 PoseLocator::PoseLocator(PoseLocator&&) noexcept = default;
 PoseLocator& PoseLocator::operator=(PoseLocator&&) noexcept = default;
+
+void PoseLocator::set_max_gap(std::optional<base::StampNs> max_gap_ns) { poses_->set_max_gap_ns(max_gap_ns); }
 
 bool PoseLocator::add(base::StampNs stamp_ns, const geometry::Pose& T_O_B) { return poses_->add(stamp_ns, T_O_B); }
 
@@ -26,6 +40,9 @@ SweepLocation PoseLocator::locate(const cloud::Sweep& sweep, std::uint32_t durat
   } else if (poses_->is_before_all(sweep.start_ns)) {
     out.status = SweepLocation::Status::kNever;
     out.problem = "all poses are newer than its start";
+  } else if (const auto gap_ns = gap_in(*poses_, sweep.start_ns, duration_ns)) {
+    out.status = SweepLocation::Status::kNever;
+    out.problem = "the poses around it are " + std::to_string(base::to_seconds(*gap_ns)) + " s apart";
   } else {
     out.problem = poses_->empty() ? "there are no poses" : "all poses are older than its end";
   }

@@ -50,6 +50,24 @@ TEST(PoseBuffer, ForgetsAClockThatWasSetAnew) {
   EXPECT_FALSE(buffer.at(base::from_seconds(100.5)));
 }
 
+TEST(PoseBuffer, DoesNotInterpolateOverAGap) {
+  PoseBuffer buffer;
+  buffer.set_max_gap_ns(base::from_seconds(0.3));
+  for (const double t : {1.0, 1.2, 1.7, 2.0}) buffer.add(base::from_seconds(t), from_position_yaw(Vec3(t, 0, 0), 0.0));
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.1)));
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.2)));  // at the very poses around the gap
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.7)));
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.9)));  // as long as is allowed
+  for (const double t : {1.21, 1.5, 1.69}) {
+    EXPECT_FALSE(buffer.at(base::from_seconds(t)));
+    EXPECT_EQ(buffer.gap_around(base::from_seconds(t)), base::from_seconds(1.7) - base::from_seconds(1.2));
+  }
+  EXPECT_FALSE(buffer.gap_around(base::from_seconds(1.1)));
+  EXPECT_FALSE(buffer.gap_around(base::from_seconds(2.5)));  // a later pose may still tell
+  buffer.set_max_gap_ns(std::nullopt);
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.5)));
+}
+
 TEST(PoseBuffer, StaysBounded) {
   PoseBuffer buffer;
   const auto count = static_cast<base::StampNs>(PoseBuffer::kMaxPoses) + 10;
