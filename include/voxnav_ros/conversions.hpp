@@ -6,6 +6,7 @@
 #include <ros/time.h>
 
 #include <optional>
+#include <string>
 
 #include "voxnav/base/time.hpp"
 #include "voxnav/geometry/pose.hpp"
@@ -15,6 +16,9 @@ namespace voxnav_ros {
 inline voxnav::base::StampNs to_ns(const ros::Time& time) { return static_cast<voxnav::base::StampNs>(time.toNSec()); }
 /// The stamp as ROS has it. ROS cannot hold stamps before 1970, which become zero.
 ros::Time to_ros(voxnav::base::StampNs stamp_ns);
+
+/// A frame id as tf2 has it: without the leading slash that drivers of the first tf put before it.
+std::string frame_name(const std::string& frame_id);
 
 geometry_msgs::Point to_msg(const voxnav::geometry::Vec3& point);
 voxnav::geometry::Vec3 from_msg(const geometry_msgs::Point& point);

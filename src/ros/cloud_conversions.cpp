@@ -98,9 +98,10 @@ sensor_msgs::PointCloud2Ptr to_msg(const std::vector<Point>& points, const std::
 }
 
 voxnav::cloud::Sweep sweep_of(const sensor_msgs::PointCloud2& msg) {
-  if (msg.header.frame_id.empty()) throw std::invalid_argument("frame_id is empty");
+  const std::string frame = frame_name(msg.header.frame_id);
+  if (frame.empty()) throw std::invalid_argument("frame_id is empty");
   voxnav::cloud::Sweep sweep = voxnav::cloud::read_sweep(view_of(msg));
-  sweep.frame = msg.header.frame_id;
+  sweep.frame = frame;
   return sweep;
 }
 

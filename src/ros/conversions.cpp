@@ -15,6 +15,11 @@ ros::Time to_ros(voxnav::base::StampNs stamp_ns) {
   return time;
 }
 
+std::string frame_name(const std::string& frame_id) {
+  const std::size_t first = frame_id.find_first_not_of('/');
+  return first == std::string::npos ? std::string() : frame_id.substr(first);
+}
+
 geometry_msgs::Point to_msg(const Vec3& point) {
   geometry_msgs::Point out;
   out.x = point.x();

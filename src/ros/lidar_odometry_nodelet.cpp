@@ -45,11 +45,13 @@ void LidarOdometryNodelet::start() {
   points_ = nh.subscribe("points_in", 5, &LidarOdometryNodelet::on_points, this, ros::TransportHints().tcpNoDelay());
 }
 
-std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::string& frame) {
+std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::string& frame_id) {
+  const std::string frame = frame_name(frame_id);
   std::string why = "frame_id is empty";
   try {
     if (!frame.empty()) {
-      const auto transform = tf_buffer_->lookupTransform(config_.body_frame, frame, ros::Time(0)).transform;
+      const std::string body = frame_name(config_.body_frame);
+      const auto transform = tf_buffer_->lookupTransform(body, frame, ros::Time(0)).transform;
       if (const auto pose = from_msg(transform)) return pose;
       why = "the transform is not finite";
     }

@@ -37,7 +37,7 @@ class LidarOdometryNodelet : public NodeletBase {
 
   /// Returns the pose of a sensor on the body, or nothing (with a warning in the diagnostics) while tf does not know
   /// it.
-  std::optional<voxnav::geometry::Pose> mounting(const std::string& frame);
+  std::optional<voxnav::geometry::Pose> mounting(const std::string& frame_id);
   bool make_estimator(const std::string& lidar_frame);
   void add_imu(const sensor_msgs::Imu& msg);
   void process_ready();

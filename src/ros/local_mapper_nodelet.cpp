@@ -36,7 +36,7 @@ void LocalMapperNodelet::initialize() {
   params.section("node", &config_);
   params.finish();
   uses_odometry_ = config_.pose_source == MapperPoses::kOdometry;
-  tf_ = std::make_unique<TfLocator>(config_.odometry_frame, config_.body_frame);
+  tf_ = std::make_unique<TfLocator>(frame_name(config_.odometry_frame), frame_name(config_.body_frame));
   const pipeline::SweepLocator* locator = tf_.get();
   if (uses_odometry_) locator = &poses_;
   poses_.set_max_gap(voxnav::base::from_seconds(mapper.max_pose_gap_s));
@@ -80,14 +80,15 @@ void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) 
   } catch (const std::exception& error) {
     drop(msg->header.stamp, error.what());
   }
-  if (uses_odometry_) find_mount(msg->header.frame_id);
+  if (uses_odometry_) find_mount(frame_name(msg->header.frame_id));
   process();
 }
 
 void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
   clock().reach(msg->header.stamp);
   const auto T_O_B = from_msg(msg->pose.pose);
-  if (msg->header.frame_id != config_.odometry_frame || msg->child_frame_id != config_.body_frame) {
+  if (frame_name(msg->header.frame_id) != frame_name(config_.odometry_frame) ||
+      frame_name(msg->child_frame_id) != frame_name(config_.body_frame)) {
     warn("odometry from '" + msg->header.frame_id + "' to '" + msg->child_frame_id + "' is refused, it must be from '" +
          config_.odometry_frame + "' to '" + config_.body_frame + "'");
   } else if (!T_O_B || !poses_.add(to_ns(msg->header.stamp), *T_O_B)) {

@@ -35,6 +35,13 @@ geometry_msgs::Pose message_of(double x, double y, double z, double qx, double q
   return msg;
 }
 
+TEST(Conversions, FramesHaveNoLeadingSlash) {
+  EXPECT_EQ(voxnav_ros::frame_name("/os_lidar"), "os_lidar");
+  EXPECT_EQ(voxnav_ros::frame_name("uav1/os_lidar"), "uav1/os_lidar");
+  EXPECT_EQ(voxnav_ros::frame_name("//"), "");
+  EXPECT_EQ(voxnav_ros::frame_name(""), "");
+}
+
 }  // namespace
 
 TEST(Conversions, PosesComeBackAsTheyWere) {
