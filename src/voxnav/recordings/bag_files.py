@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rosbags as one stream of messages, in the order of their recording, whatever of them is damaged."""
+
+from __future__ import annotations
+
+import heapq
+import os
+import shutil
+import struct
+import tempfile
+from typing import Any, Iterator, NamedTuple, Sequence
+
+import numpy as np
+
+from voxnav.array_types import Array
+from voxnav.recordings.bag_index import BagIndex
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.left_out import LeftOut
+
+
+class Topic(NamedTuple):
+    """A topic of all files together. kind: its message type, as ``sensor_msgs/Imu``."""
+
+    name: str
+    kind: str
+    num: int
+
+
+class RawMessage(NamedTuple):
+    """One message as it stands in the file. record_ns: when it was recorded; make(): the message it holds."""
+
+    topic: str
+    record_ns: int
+    data: bytes
+    kind: Any
+
+    def make(self) -> Any:
+        """The message. Raises ValueError where its bytes do not fit its type."""
+        msg = self.kind()
+        try:
+            msg.deserialize(self.data)
+        except Exception as error:  # generated readers fail in many ways on damaged bytes
+            raise ValueError("its bytes do not fit its type: %s" % error)
+        return msg
+
+    def header(self) -> tuple[int, str]:
+        """(stamp [ns], frame id without a leading slash) of a message that begins with a std_msgs/Header, without
+        reading the rest of it. Raises ValueError where the message is shorter."""
+        try:
+            _, seconds, nanoseconds, length = struct.unpack_from("<IIII", self.data)
+        except struct.error:
+            raise ValueError("it is shorter than a header")
+        if len(self.data) < 16 + length:
+            raise ValueError("it is shorter than its header")
+        return seconds * 10**9 + nanoseconds, frame_name(self.data[16:16 + length].decode("utf-8", "replace"))
+
+
+TF_TOPICS = ("/tf_static", "tf_static", "/tf", "tf")
+
+
+def frame_name(frame_id: str) -> str:
+    """A frame id as tf2 has it: without the leading slash of tf."""
+    return str(frame_id).lstrip("/")
+
+
+def _repaired(path: str) -> tuple[Any, str]:
+    """A readable copy of a bag without index, and its path."""
+    import rosbag
+
+    copy = tempfile.NamedTemporaryFile(suffix=".bag", delete=False)
+    copy.close()
+    try:
+        shutil.copyfile(path, copy.name)
+        with rosbag.Bag(copy.name, "a", allow_unindexed=True) as bag:
+            for _ in bag.reindex():
+                pass
+        return rosbag.Bag(copy.name), copy.name
+    except Exception as error:  # the reader fails in many ways on damaged bytes
+        os.unlink(copy.name)
+        raise DatasetError("%s: truncated, and nothing in it can be recovered: %s" % (path, error))
+
+
+class BagFiles:
+    """The bags of one recording, given in any order. Damaged messages are left out and counted in ``left_out``.
+
+    warnings: what was wrong with the files. Raises DatasetError naming the file that cannot be read.
+    """
+
+    def __init__(self, paths: Sequence[str]) -> None:
+        self.warnings: list[str] = []
+        self.left_out = LeftOut()
+        self._bags: list[Any] = []
+        self._indexes: list[BagIndex] = []
+        self._copies: list[str] = []
+        self.size_bytes = 0
+        try:
+            for path in paths:
+                self._open(path)
+        except DatasetError:
+            self.close()
+            raise
+
+    def _open(self, path: str) -> None:
+        import rosbag  # here, so that raw scan folders need no ROS
+
+        if not os.path.exists(path):
+            raise DatasetError("%s: no such file" % path)
+        self.size_bytes += os.path.getsize(path)
+        try:
+            self._bags.append(rosbag.Bag(path))
+        except rosbag.ROSBagUnindexedException:
+            bag, copy = _repaired(path)
+            self._bags.append(bag)
+            self._copies.append(copy)
+            self.warnings.append("%s was not closed properly (truncated?); mapped what is intact" % path)
+        except Exception as error:  # the reader fails in many ways on damaged bytes
+            raise DatasetError("%s: not a readable bag: %s" % (path, error))
+        try:
+            self._indexes.append(BagIndex(self._bags[-1]))
+        except Exception as error:  # the index is read only now
+            raise DatasetError("%s: its index cannot be read: %s" % (path, error))
+        self.warnings += self._indexes[-1].notes
+
+    def close(self) -> None:
+        for bag in self._bags:
+            bag.close()
+        for copy in self._copies:
+            os.unlink(copy)
+        self._bags, self._indexes, self._copies = [], [], []
+
+    def topics(self) -> dict[str, Topic]:
+        """Topics with messages, by name."""
+        out: dict[str, Topic] = {}
+        for bag in self._bags:
+            for name, info in bag.get_type_and_topic_info().topics.items():
+                if info.message_count:
+                    known = out[name].num if name in out else 0
+                    out[name] = Topic(name, info.msg_type, known + info.message_count)
+        return out
+
+    def record_times_ns(self, topic: str) -> Array:
+        """(n,) int64, sorted: when the messages of a topic were recorded, from the index, without reading them."""
+        return np.sort(np.concatenate([index.times_ns(topic) for index in self._indexes]))
+
+    def messages(self, topics: Sequence[str], from_ns: int | None = None,
+                 until_ns: int | None = None) -> Iterator[RawMessage]:
+        """Messages of some topics in the order of their record times, both limits included."""
+        streams = [self._of(bag, *index.places(topics, from_ns, until_ns))
+                   for bag, index in zip(self._bags, self._indexes)]
+        yield from heapq.merge(*streams, key=lambda message: message.record_ns)
+
+    def _of(self, bag: Any, times_ns: Array, places: Array) -> Iterator[RawMessage]:
+        """rosbag's own reading ends at the first damaged message; so they are read one by one."""
+        damaged_chunk = None
+        has_chunks = hasattr(bag._reader, "decompressed_chunk_pos")
+        for record_ns, (chunk, offset) in zip(times_ns.tolist(), places.tolist()):
+            if chunk == damaged_chunk:
+                self._count_damage(record_ns)
+                continue
+            try:
+                position = (chunk, offset) if has_chunks else chunk
+                topic, (_, data, _, _, kind), _ = bag._read_message(position, raw=True)
+            except Exception:  # the reader fails in many ways on damaged bytes
+                # A chunk that cannot be unpacked is lost as a whole; in one that can, only this message is.
+                if has_chunks and bag._reader.decompressed_chunk_pos != chunk:
+                    damaged_chunk = chunk
+                self._count_damage(record_ns)
+                continue
+            yield RawMessage(topic, record_ns, data, kind)
+
+    def _count_damage(self, record_ns: int) -> None:
+        self.left_out.add("message", "its part of the file is damaged", record_ns)

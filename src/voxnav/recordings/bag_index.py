@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When each message of a bag was recorded, and where it lies, from the index that ends the file."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, List, Sequence
+
+import numpy as np
+
+from voxnav.array_types import Array
+
+# Record times of one topic that fall by more than this, in the order of the file, are of a clock that was set.
+_STEP_NS = 1_000_000_000
+
+
+class BagIndex:
+    """Record times in nanoseconds; a bag that was recorded while its clock was set back has them go on evenly.
+
+    notes: what was set right. O(n log n) for n messages; 24 bytes for each.
+    """
+
+    def __init__(self, bag: Any) -> None:
+        self.notes: List[str] = []
+        self._bag = bag
+        self._times: Dict[int, Array] = {}  # by connection
+        self._places: Dict[int, Array] = {}  # (n, 2): chunk, offset
+        bag._get_indexes(None)  # reads it
+        for connection, index in bag._connection_indexes.items():
+            self._times[connection] = np.array([entry.time.to_nsec() for entry in index], dtype=np.int64)
+            self._places[connection] = np.array([_place(entry.position) for entry in index],
+                                                dtype=np.int64).reshape(-1, 2)
+        if any(np.any(np.diff(times) < -_STEP_NS) for times in self._times.values()):
+            self._undo_steps()
+
+    def _undo_steps(self) -> None:
+        """The file is in the order of recording: what follows a step back is moved to come after what was before.
+
+        The clock is taken to be right at the end, as it was set to be: the beginning is moved.
+        """
+        connections = [connection for connection, times in self._times.items() if len(times)]
+        times = np.concatenate([self._times[connection] for connection in connections])
+        places = np.concatenate([self._places[connection] for connection in connections])
+        order = np.lexsort((places[:, 1], places[:, 0]))
+        steps = np.diff(times[order])
+        back = np.where(steps < -_STEP_NS, steps, 0)
+        moves = np.empty(len(times), dtype=np.int64)
+        moves[order] = np.concatenate([np.cumsum(back[::-1])[::-1], [0]])
+        for at in np.flatnonzero(back)[:20]:
+            self.notes.append("the clock of the recorder was set by %+.3f s at %.3f; what was recorded before is moved "
+                              "along" % (1e-9 * back[at], 1e-9 * times[order][at]))
+        first = 0
+        for connection in connections:
+            last = first + len(self._times[connection])
+            self._times[connection] = times[first:last] + moves[first:last]
+            first = last
+
+    def _chosen(self, topics: Sequence[str]) -> List[int]:
+        wanted = self._bag._get_connections(list(topics)) if topics else []
+        return sorted(connection.id for connection in wanted if connection.id in self._times)
+
+    def times_ns(self, topic: str) -> Array:
+        """(n,) int64, sorted."""
+        times = [self._times[connection] for connection in self._chosen([topic])]
+        return np.sort(np.concatenate(times)) if times else np.empty(0, dtype=np.int64)
+
+    def places(self, topics: Sequence[str], from_ns: int | None, until_ns: int | None) -> tuple[Array, Array]:
+        """((n,) int64 record times, (n, 2) int64 places), sorted by time, both limits included."""
+        chosen = self._chosen(topics)
+        if not chosen:
+            return np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
+        times = np.concatenate([self._times[connection] for connection in chosen])
+        order = np.argsort(times, kind="stable")
+        first = 0 if from_ns is None else int(np.searchsorted(times[order], from_ns, "left"))
+        last = len(times) if until_ns is None else int(np.searchsorted(times[order], until_ns, "right"))
+        order = order[first:last]
+        return times[order], np.concatenate([self._places[connection] for connection in chosen])[order]
+
+
+def _place(position: Any) -> tuple[int, int]:
+    """Files of version 1.2 have no chunks, and each message stands for itself."""
+    return (position[0], position[1]) if isinstance(position, tuple) else (position, 0)

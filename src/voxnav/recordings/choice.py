@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which topics of a recording are used, and why: what a topic is like decides, not its name."""
+
+from __future__ import annotations
+
+from typing import Callable, List, NamedTuple
+
+import numpy as np
+
+from voxnav.recordings.cloud_samples import LIDAR_FIELDS
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.survey import CLOUD, IMU, ODOMETRY, Survey, TopicSurvey
+
+# A cloud that reaches so far, or has so many points, is as good as one with more.
+_FAR_M, _MANY_POINTS = 30.0, 20_000
+
+
+class Choice(NamedTuple):
+    """The topic that is used, None where there is none; why: a sentence for people."""
+
+    topic: TopicSurvey | None
+    why: str
+
+
+def choose(survey: Survey, kind: str, wanted: str, score: Callable[[TopicSurvey], float],
+           figures: Callable[[TopicSurvey], str]) -> Choice:
+    """The topic of a kind with the highest score, or the one that is wanted by name.
+
+    Raises DatasetError when there is none of that name.
+    """
+    found = survey.of_kind(kind)
+    if wanted:
+        named = [topic for topic in found if topic.name.lstrip("/") == wanted.lstrip("/")]
+        if not named:
+            raise DatasetError("no messages of type %s on %s; the bag has %s" % (
+                kind, wanted, [topic.name for topic in found] or "none"))
+        return Choice(named[0], "%s, as configured (%s)" % (named[0].name, figures(named[0])))
+    if not found:
+        return Choice(None, "none in the recording")
+    ranked = sorted(found, key=lambda topic: (-score(topic), topic.name))
+    why = "%s (%s)" % (ranked[0].name, figures(ranked[0]))
+    if len(ranked) > 1:
+        why += ", rather than " + "; ".join("%s (%s)" % (other.name, figures(other)) for other in ranked[1:])
+    return Choice(ranked[0], why)
+
+
+def _median(values: List[float]) -> float:
+    return float(np.median(values)) if values else 0.0
+
+
+def _share_of_time(topic: TopicSurvey, survey: Survey) -> float:
+    """How much of the time in which the recording has any messages this topic has some."""
+    begin = min(other.begin_ns for other in survey.topics.values())
+    end = max(other.end_ns for other in survey.topics.values())
+    return (topic.end_ns - topic.begin_ns) / max(end - begin, 1)
+
+
+class CloudFigures:
+    """What speaks for a topic of clouds: fields, rate and extent."""
+
+    def __init__(self, topic: TopicSurvey, survey: Survey) -> None:
+        good = [sample for sample in topic.clouds if sample.problem is None]
+        self.is_readable = bool(good)
+        self.problem = next((sample.problem for sample in topic.clouds if sample.problem), None)
+        self.time_field = next((sample.time_field for sample in good if sample.time_field), None)
+        self.num_lidar_fields = max((len(set(sample.fields) & set(LIDAR_FIELDS)) for sample in good), default=0)
+        self.reach_m = _median([sample.reach_m for sample in good])
+        self.horizon = _median([sample.horizon for sample in good])
+        self.num_points = _median([sample.num_returns for sample in good])
+        self.share_of_time = _share_of_time(topic, survey)
+        self.rate_hz = topic.rate_hz
+        origins = {other.frame for other in survey.of_kind(ODOMETRY)}
+        self.is_in_the_world = topic.frame in origins
+
+    def score(self) -> float:
+        if not self.is_readable:
+            return -100.0
+        score = 3.0 * (self.time_field is not None) + min(self.num_lidar_fields, 2) + 4.0 * self.horizon
+        score += 3.0 * min(self.reach_m / _FAR_M, 1.0) + 2.0 * min(self.num_points / _MANY_POINTS, 1.0)
+        score += 3.0 * self.share_of_time
+        if self.rate_hz is None or not 2.0 <= self.rate_hz <= 60.0:
+            score -= 6.0
+        return score - 20.0 * self.is_in_the_world
+
+    def words(self) -> str:
+        if not self.is_readable:
+            return "cannot be read: %s" % (self.problem or "no message of it was seen")
+        words = ["%.1f Hz" % self.rate_hz if self.rate_hz else "one cloud",
+                 "point times '%s'" % self.time_field if self.time_field else "no point times",
+                 "%.0f points" % self.num_points, "95 %% within %.0f m" % self.reach_m,
+                 "%.0f deg of the horizon" % (360.0 * self.horizon)]
+        if self.is_in_the_world:
+            words.append("already in the frame of the odometry")
+        if self.share_of_time < 0.9:
+            words.append("%.0f %% of the time" % (100.0 * self.share_of_time))
+        return ", ".join(words)
+
+
+def choose_cloud(survey: Survey, wanted: str) -> Choice:
+    """The LiDAR. Raises DatasetError where the recording has no clouds."""
+    if not survey.of_kind(CLOUD):
+        raise DatasetError("the bag has no %s; its topics are %s" % (CLOUD, sorted(survey.all_topics)))
+    return choose(survey, CLOUD, wanted, lambda topic: CloudFigures(topic, survey).score(),
+                  lambda topic: CloudFigures(topic, survey).words())
+
+
+def _overlap(topic: TopicSurvey, cloud: TopicSurvey) -> float:
+    """Share of the clouds' time that a topic covers."""
+    common = min(topic.end_ns, cloud.end_ns) - max(topic.begin_ns, cloud.begin_ns)
+    return float(np.clip(common / max(cloud.end_ns - cloud.begin_ns, 1), 0.0, 1.0))
+
+
+def _is_mounted(survey: Survey, frame: str, cloud: TopicSurvey) -> bool:
+    return frame == cloud.frame or (frame != "" and survey.frames.chain(frame, cloud.frame) is not None)
+
+
+def _partner_words(topic: TopicSurvey, cloud: TopicSurvey, frame: str) -> str:
+    rate = "%.0f Hz" % topic.rate_hz if topic.rate_hz else "one message"
+    return "%s, of '%s', %.0f %% of the clouds' time" % (rate, frame, 100.0 * _overlap(topic, cloud))
+
+
+def choose_odometry(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:
+    """Poses of the body: one on which the LiDAR is known to sit, that covers the clouds and comes often."""
+    def score(topic: TopicSurvey) -> float:
+        rate_hz = topic.rate_hz or 0.0
+        return (4.0 * _is_mounted(survey, topic.child, cloud) + 6.0 * _overlap(topic, cloud)
+                + min(rate_hz / 100.0, 1.0) - 6.0 * (not topic.poses))
+    return choose(survey, ODOMETRY, wanted, score, lambda topic: _partner_words(topic, cloud, topic.child))
+
+
+def choose_imu(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:
+    """An IMU of which it is known how it sits to the LiDAR, that covers the clouds and comes often."""
+    def score(topic: TopicSurvey) -> float:
+        rate_hz = topic.rate_hz or 0.0
+        return (4.0 * _is_mounted(survey, topic.frame, cloud) + 6.0 * _overlap(topic, cloud)
+                + min(rate_hz / 200.0, 1.0))
+    return choose(survey, IMU, wanted, score, lambda topic: _partner_words(topic, cloud, topic.frame))

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stamps of one topic put right: a lone outlier is dropped, a lasting jump is a new clock.
+
+A recording knows when each message was recorded, and its next messages, which a vehicle in flight does not. So no
+message of a new clock is lost, a jump of the stamps can be told from a pause of the sensor, and what was stamped by a
+clock that was set later is moved to the clock of the rest.
+"""
+
+from __future__ import annotations
+
+import enum
+import heapq
+from typing import Any, Iterator, NamedTuple, Sequence
+
+import numpy as np
+
+from voxnav.array_types import Array
+from voxnav.recordings.left_out import REPEATED, LeftOut
+
+# Stamps that step by more than this, or by more than a few periods of a slow sensor, are looked at twice.
+_STEP_NS = 1_000_000_000
+_PERIODS = 5.0
+_NUM_CONFIRMING = 3  # messages in a row that make a clock
+_NUM_SWAPPED = 2  # so many messages may be recorded in another order than they were stamped
+_NUM_STUCK = 3  # a stamp that is repeated so often is a clock that stands still
+_MAX_NOTES = 100
+_MAX_CLOCKS = 20
+_MAX_SPREAD_NS = 5 * _STEP_NS  # record times that lag by more belong to a replay, not to a flight
+
+
+class Stamped(NamedTuple):
+    """One message of a topic. stamp_ns: what it bears, or what it is taken to mean; record_ns: when it was recorded."""
+
+    stamp_ns: int
+    record_ns: int
+    payload: Any
+
+
+def clock_offsets_ns(stamps_ns: Array, records_ns: Array) -> list[int]:
+    """By how much the stamps of a topic are ahead of its record times, one number for each clock that stamped them, the
+    usual one first. Empty where no clock stamped most of them: then record times tell nothing.
+
+    Both (n,) int64, of the same messages. O(n log n).
+    """
+    offsets = np.sort(np.asarray(stamps_ns, dtype=np.int64) - np.asarray(records_ns, dtype=np.int64))
+    clocks = np.split(offsets, np.flatnonzero(np.diff(offsets) > _STEP_NS) + 1)
+    clocks = [clock for clock in clocks if len(clock) and clock[-1] - clock[0] <= _MAX_SPREAD_NS]
+    clocks.sort(key=len, reverse=True)
+    if not clocks or 2 * len(clocks[0]) <= len(offsets):
+        return []
+    return [int(np.median(clock)) for clock in clocks[:_MAX_CLOCKS]]
+
+
+class _Verdict(enum.Enum):
+    NEXT = 1  # near the newest stamp, wherever it lies
+    STRAY = 2  # on another clock, which nothing confirms yet
+    NEW_CLOCK = 3  # the last of enough stamps on another clock
+
+
+class _ClockWatch:
+    """Tells stamps on another clock from one that was set anew for good, as base::ClockWatch does in flight."""
+
+    def __init__(self, max_step_ns: int) -> None:
+        self._max_step_ns = max_step_ns
+        self._newest_ns: int | None = None
+        self._stray_ns: int | None = None
+        self._num_strays = 0
+
+    def add(self, stamp_ns: int) -> _Verdict:
+        if self._newest_ns is None or abs(stamp_ns - self._newest_ns) <= self._max_step_ns:
+            self._newest_ns = stamp_ns if self._newest_ns is None else max(stamp_ns, self._newest_ns)
+            self._stray_ns = None
+            return _Verdict.NEXT
+        confirms = self._stray_ns is not None and 0 < stamp_ns - self._stray_ns <= self._max_step_ns
+        self._num_strays = self._num_strays + 1 if confirms else 1
+        self._stray_ns = stamp_ns
+        if self._num_strays < _NUM_CONFIRMING:
+            return _Verdict.STRAY
+        self._newest_ns, self._stray_ns = stamp_ns, None
+        return _Verdict.NEW_CLOCK
+
+
+class TopicClock:
+    """Stamps of one topic, in the order of their recording. Holds back at most four messages.
+
+    what: what its messages are called in ``left_out``. period_s: between messages, None where it is unknown.
+    offsets_ns: see clock_offsets_ns().
+    """
+
+    def __init__(self, what: str, left_out: LeftOut, period_s: float | None = None,
+                 offsets_ns: Sequence[int] = ()) -> None:
+        self.notes: list[str] = []  # lasting jumps and clocks that stood still, for people
+        self._what, self._left_out, self._offsets_ns = what, left_out, offsets_ns
+        self._max_step_ns = max(_STEP_NS, int(1e9 * _PERIODS * (period_s or 0.0)))
+        self._watch = _ClockWatch(self._max_step_ns)
+        self._newest: Stamped | None = None  # of the clock that is believed, as recorded
+        self._num_on_clock = 0
+        self._strays: list[Stamped] = []  # on another clock, which nothing confirms yet
+        self._shift_ns = 0  # added to stamps of the present clock
+        self._waiting: list[tuple[int, int, Stamped]] = []  # heap of the present clock: stamp, number, message
+        self._ready: list[Stamped] = []  # of the clock before
+        self._num_waited = 0
+        self._newest_out_ns: int | None = None
+        self._num_repeated = 0
+
+    def add(self, stamp_ns: int, record_ns: int, payload: Any) -> Iterator[Stamped]:
+        """One message in; those that are certain by now come out, with rising stamps."""
+        message = Stamped(stamp_ns, record_ns, payload)
+        if stamp_ns == 0:
+            self._leave_out(message, "its stamp is zero")
+            return
+        verdict = self._watch.add(stamp_ns)
+        if verdict == _Verdict.STRAY:
+            self._strays.append(message)
+            self._drop_strays(keep=_NUM_CONFIRMING - 1)
+        elif verdict == _Verdict.NEW_CLOCK:
+            self._begin_clock(self._strays + [message])
+        else:
+            self._drop_strays(keep=0)
+            if self._newest is None:
+                self._choose_shift([message])
+            self._believe(message)
+        yield from self._give(_NUM_SWAPPED)
+
+    def end(self) -> Iterator[Stamped]:
+        """Nothing more comes: what is left."""
+        self._drop_strays(keep=0)
+        yield from self._give(0)
+
+    def _begin_clock(self, messages: list[Stamped]) -> None:
+        before, first = self._newest, messages[0]
+        self._strays = []
+        if before is not None and self._num_on_clock == 1:
+            # Nothing ever confirmed the only message before.
+            self._waiting = []
+            self._leave_out(before, self._stray_reason(before, first))
+        elif before is not None:
+            jump_s = 1e-9 * _away_ns(first, before)
+            if abs(jump_s) > 1e-9 * self._max_step_ns:
+                self._note("the clock of %s messages was set by %+.3f s, to %.3f" % (
+                    self._what, jump_s, 1e-9 * first.stamp_ns))
+        self._ready += [message for _, _, message in sorted(self._waiting)]
+        self._waiting, self._num_on_clock = [], 0
+        self._choose_shift(messages)
+        for message in messages:
+            self._believe(message)
+
+    def _choose_shift(self, messages: list[Stamped]) -> None:
+        """A clock far from the usual one is moved to it, by what record times say."""
+        self._shift_ns = 0
+        if not self._offsets_ns:
+            return
+        measured_ns = int(np.median([m.stamp_ns - m.record_ns for m in messages]))
+        known_ns = min(self._offsets_ns, key=lambda offset_ns: abs(offset_ns - measured_ns))
+        if abs(known_ns - measured_ns) > self._max_step_ns:
+            known_ns = measured_ns
+        if abs(known_ns - self._offsets_ns[0]) > self._max_step_ns:
+            self._shift_ns = self._offsets_ns[0] - known_ns
+
+    def _believe(self, message: Stamped) -> None:
+        if self._newest is None or message.stamp_ns >= self._newest.stamp_ns or self._num_on_clock == 0:
+            self._newest = message
+        self._num_on_clock += 1
+        if self._shift_ns and self._num_on_clock == _NUM_CONFIRMING:
+            self._note("%s messages from stamp %.3f on are %+.3f s off the clock of the rest and were moved to it" % (
+                self._what, 1e-9 * message.stamp_ns, -1e-9 * self._shift_ns))
+        self._num_waited += 1
+        moved = message._replace(stamp_ns=message.stamp_ns + self._shift_ns)
+        heapq.heappush(self._waiting, (moved.stamp_ns, self._num_waited, moved))
+
+    def _give(self, keep: int) -> Iterator[Stamped]:
+        ready, self._ready = self._ready, []
+        for message in ready:
+            yield from self._out(message)
+        while len(self._waiting) > keep:
+            yield from self._out(heapq.heappop(self._waiting)[2])
+
+    def _out(self, message: Stamped) -> Iterator[Stamped]:
+        newest_ns = self._newest_out_ns
+        if newest_ns is not None and message.stamp_ns == newest_ns:
+            self._num_repeated += 1
+            if self._num_repeated == _NUM_STUCK:
+                self._note("the clock of %s messages stood still at %.3f" % (self._what, 1e-9 * message.stamp_ns))
+            self._leave_out(message, REPEATED)
+        elif newest_ns is not None and newest_ns - self._max_step_ns < message.stamp_ns < newest_ns:
+            self._leave_out(message, "it is older than others that were recorded before it")
+        else:
+            self._num_repeated, self._newest_out_ns = 0, message.stamp_ns
+            yield message
+
+    def _drop_strays(self, keep: int) -> None:
+        while len(self._strays) > keep:
+            message = self._strays.pop(0)
+            self._leave_out(message, self._stray_reason(message, self._newest or message))
+
+    @staticmethod
+    def _stray_reason(message: Stamped, other: Stamped) -> str:
+        return "its stamp is alone, %+.1f s off the others" % (1e-9 * _away_ns(message, other))
+
+    def _leave_out(self, message: Stamped, reason: str) -> None:
+        self._left_out.add(self._what, reason, message.stamp_ns)
+
+    def _note(self, text: str) -> None:
+        if len(self.notes) < _MAX_NOTES:
+            self.notes.append(text)
+
+
+def _away_ns(message: Stamped, other: Stamped) -> int:
+    """By how much the clock of one message is ahead of another's."""
+    return (message.stamp_ns - other.stamp_ns) - (message.record_ns - other.record_ns)

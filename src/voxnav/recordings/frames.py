@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where sensors sit, from the transforms of a recording: chains of links that do not move."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any, Dict, NamedTuple
+
+import numpy as np
+
+import voxnav
+from voxnav.array_types import Array
+from voxnav.recordings.bag_files import RawMessage, frame_name
+from voxnav.recordings.left_out import LeftOut
+
+# A link that stays within these is one that does not move: publishers round, and estimated mounts are sent again.
+_SAME_M, _SAME_RAD = 1e-3, 1e-3
+
+# More frames than any vehicle has.
+_MAX_LINKS = 2000
+
+
+class _Link(NamedTuple):
+    T_parent_child: Array
+    is_moving: bool
+    is_static: bool  # on /tf_static, where a later message replaces an earlier one
+
+
+class Chain(NamedTuple):
+    """T_A_B between two frames, and the frames from A to B."""
+
+    T_A_B: Array
+    frames: list[str]
+
+
+def _pose(transform: Any) -> Array:
+    """(4, 4) of a Transform. Raises ValueError when it is not finite or has no rotation."""
+    q, p = transform.rotation, transform.translation
+    return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+
+
+def _is_same(a: Array, b: Array) -> bool:
+    turn = np.arccos(np.clip((np.trace(a[:3, :3].T @ b[:3, :3]) - 1.0) / 2.0, -1.0, 1.0))
+    return bool(np.linalg.norm(a[:3, 3] - b[:3, 3]) < _SAME_M and turn < _SAME_RAD)
+
+
+class FrameGraph:
+    """Links between frames by the names of their ends, without leading slashes. Bounded."""
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+        self._links: Dict[tuple[str, str], _Link] = {}
+
+    def add_message(self, message: RawMessage, left_out: LeftOut) -> None:
+        """All links of a tf message; those that are no rigid transform are left out and counted."""
+        is_static = message.topic.endswith("tf_static")
+        try:
+            transforms = message.make().transforms
+        except ValueError as error:
+            left_out.add("transform", str(error), message.record_ns)
+            return
+        for link in transforms:
+            parent, child = frame_name(link.header.frame_id), frame_name(link.child_frame_id)
+            try:
+                self.add(parent, child, _pose(link.transform), is_static)
+            except ValueError as error:
+                left_out.add("transform", "that from %s to %s is not one: %s" % (parent, child, error),
+                             message.record_ns)
+
+    def add(self, parent: str, child: str, T_parent_child: Array, is_static: bool = True) -> None:
+        """One link, as often as it is sent. Raises ValueError for a frame without name or that is its own parent."""
+        if not parent or not child or parent == child:
+            raise ValueError("its frames must have two different names")
+        if (child, parent) in self._links:
+            parent, child, T_parent_child = child, parent, np.linalg.inv(T_parent_child)
+        known = self._links.get((parent, child))
+        if known is None:
+            if len(self._links) < _MAX_LINKS:
+                self._links[(parent, child)] = _Link(T_parent_child, False, is_static)
+        elif not _is_same(known.T_parent_child, T_parent_child):
+            self._replace(parent, child, known, _Link(T_parent_child, not (is_static and known.is_static), is_static))
+
+    def _replace(self, parent: str, child: str, known: _Link, new: _Link) -> None:
+        """What is static and differs was published twice: as in tf2, the later one holds."""
+        if new.is_moving:
+            self._links[(parent, child)] = new
+        elif not known.is_moving:
+            self._links[(parent, child)] = new
+            self._warn("the static transform from %s to %s was sent with different values; the last one is used" % (
+                parent, child))
+
+    def _warn(self, text: str) -> None:
+        if text not in self.warnings and len(self.warnings) < 20:
+            self.warnings.append(text)
+
+    def frames(self) -> list[str]:
+        return sorted({name for ends in self._links for name in ends})
+
+    def chain(self, a: str, b: str) -> Chain | None:
+        """T_a_b over links that do not move; None where there is no such chain, or a has no name. O(links)."""
+        previous = self._paths_from(a, with_moving=False)
+        if not a or b not in previous:
+            return None
+        frames = _path_to(b, previous)
+        T = np.eye(4)
+        for one, other in zip(frames, frames[1:]):
+            T = T @ self._step(one, other)
+        return Chain(T, frames)
+
+    def moving_between(self, a: str, b: str) -> list[tuple[str, str]]:
+        """The moving links on a chain from a to b that has such; empty where there is no chain at all."""
+        previous = self._paths_from(a, with_moving=True)
+        if b not in previous:
+            return []
+        frames = _path_to(b, previous)
+        return [ends for ends in zip(frames, frames[1:]) if self._is_moving(*ends)]
+
+    def root(self, frame: str) -> str:
+        """The uppermost frame above one, over links that do not move; the frame itself where it hangs on none."""
+        seen = {frame}
+        while True:
+            parents = [p for (p, c), link in sorted(self._links.items()) if c == frame and not link.is_moving]
+            if not parents or parents[0] in seen:
+                return frame
+            frame = parents[0]
+            seen.add(frame)
+
+    def children(self, frame: str) -> list[str]:
+        """Frames at the other end of moving links of one frame, in whichever direction they were sent."""
+        ends = [(p, c) for (p, c), link in sorted(self._links.items()) if link.is_moving and frame in (p, c)]
+        return [c if p == frame else p for p, c in ends]
+
+    def moving_parents(self, frame: str) -> list[str]:
+        """Frames of which this one is a moving child."""
+        return [p for (p, c), link in sorted(self._links.items()) if link.is_moving and c == frame]
+
+    def _is_moving(self, a: str, b: str) -> bool:
+        link = self._links.get((a, b)) or self._links[(b, a)]
+        return link.is_moving
+
+    def _step(self, a: str, b: str) -> Array:
+        if (a, b) in self._links:
+            return self._links[(a, b)].T_parent_child
+        inverse: Array = np.linalg.inv(self._links[(b, a)].T_parent_child)
+        return inverse
+
+    def _paths_from(self, a: str, with_moving: bool) -> dict[str, str | None]:
+        """By frame: the one before it on the shortest way from a."""
+        neighbours: dict[str, list[str]] = {}
+        for (parent, child), link in self._links.items():
+            if with_moving or not link.is_moving:
+                neighbours.setdefault(parent, []).append(child)
+                neighbours.setdefault(child, []).append(parent)
+        previous: dict[str, str | None] = {a: None}
+        waiting = deque([a])
+        while waiting:
+            frame = waiting.popleft()
+            for other in sorted(neighbours.get(frame, [])):
+                if other not in previous:
+                    previous[other] = frame
+                    waiting.append(other)
+        return previous
+
+
+def _path_to(b: str, previous: dict[str, str | None]) -> list[str]:
+    frames, frame = [], b
+    while frame is not None:
+        frames.append(frame)
+        frame = previous[frame]  # type: ignore[assignment]
+    return frames[::-1]

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Single poses that no vehicle can have had: far from those before and after, which are near each other."""
+
+from __future__ import annotations
+
+from typing import Any, Iterator, NamedTuple
+
+import numpy as np
+
+from voxnav.array_types import Array
+
+# No vehicle moves or turns faster than this between two of its poses.
+_MAX_SPEED_MPS, _MAX_RATE_RADPS = 100.0, 50.0
+
+
+class Posed(NamedTuple):
+    """T: (4, 4); payload: what it is the pose of."""
+
+    stamp_ns: int
+    T: Array
+    payload: Any
+
+
+def _is_possible(a: Posed, b: Posed) -> bool:
+    seconds = 1e-9 * abs(b.stamp_ns - a.stamp_ns)
+    turn = np.arccos(np.clip((np.trace(a.T[:3, :3].T @ b.T[:3, :3]) - 1.0) / 2.0, -1.0, 1.0))
+    way_m = np.linalg.norm(b.T[:3, 3] - a.T[:3, 3])
+    return bool(way_m <= _MAX_SPEED_MPS * seconds + 1e-3 and turn <= _MAX_RATE_RADPS * seconds + 1e-3)
+
+
+class LonePoses:
+    """Holds one pose back until the next one tells whether it is alone. A lasting jump is none of its business."""
+
+    def __init__(self) -> None:
+        self._before: Posed | None = None
+        self._held: Posed | None = None
+
+    def add(self, pose: Posed) -> Iterator[tuple[Posed, float | None]]:
+        """Poses that are certain by now; with each None, or by how many metres it is off when it is alone."""
+        held = self._held
+        if held is not None:
+            yield held, self._off_m(held, pose)
+        self._held = pose
+
+    def end(self) -> Iterator[tuple[Posed, float | None]]:
+        if self._held is not None:
+            yield self._held, None
+        self._held = None
+
+    def _off_m(self, held: Posed, after: Posed) -> float | None:
+        before = self._before
+        if before is not None and not _is_possible(before, held) and not _is_possible(held, after) \
+                and _is_possible(before, after):
+            return float(np.linalg.norm(held.T[:3, 3] - before.T[:3, 3]))
+        self._before = held
+        return None

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where LiDAR and IMU sit on the body whose poses are meant. What nothing tells is an error, never the identity."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from voxnav.array_types import Array
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.survey import Survey, TopicSurvey
+
+_WITHOUT_IMU = "; or leave the IMU out with odometry/use_imu: false"
+HOW_TO_SET = ("give it with --mount 'X Y Z ROLL PITCH YAW' (metres and radians; the LiDAR on the body), or as run/"
+              "mount_position_m and run/mount_rpy_rad with run/mount_source: given")
+
+
+class Mount(NamedTuple):
+    """T_B_L: (4, 4) of the LiDAR on the body; R_B_I: (3, 3) of the IMU, None where it is not known and not needed;
+    body: its frame; how: where it is from, for people; notes: what was taken for granted."""
+
+    T_B_L: Array
+    R_B_I: Array | None
+    body: str
+    how: str
+    notes: list[str]
+
+
+def find_mount(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None, imu: TopicSurvey | None,
+               T_B_L: Array | None = None) -> Mount:
+    """The body is that of the odometry; without any it is the IMU, and without IMU the LiDAR itself.
+
+    T_B_L: (4, 4) as somebody gives it; None takes it from the transforms of the recording. Raises DatasetError.
+    """
+    notes: list[str] = []
+    body = _body_frame(survey, cloud, odometry, imu, notes)
+    how = "as given"
+    if T_B_L is None and odometry is None and imu is None:
+        T_B_L, how = np.eye(4), "poses are those of the LiDAR itself"
+    elif T_B_L is None:
+        T_B_L, how = _lidar_on_body(survey, cloud, body, odometry, imu)
+    R_B_I = None
+    if imu is not None:
+        R_B_I = np.eye(3) if odometry is None else _imu_on_body(survey, cloud, body, imu, T_B_L)
+    return Mount(T_B_L, R_B_I, body, how, notes)
+
+
+def _source_of(odometry: TopicSurvey | None, imu: TopicSurvey | None) -> str:
+    if odometry is not None:
+        return "child_frame_id on %s" % odometry.name
+    return "frame of the IMU on %s" % imu.name if imu is not None else "frame of the clouds"
+
+
+def _body_frame(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None, imu: TopicSurvey | None,
+                notes: list[str]) -> str:
+    if odometry is None:
+        return cloud.frame if imu is None else imu.frame
+    if odometry.child:
+        return odometry.child
+    below = [frame for frame in survey.frames.children(odometry.frame)
+             if survey.frames.chain(frame, cloud.frame) is not None]
+    body = survey.frames.root(below[0] if below else cloud.frame)
+    if body == cloud.frame and cloud.frame not in survey.frames.frames():
+        return ""
+    notes.append("the odometry on %s does not name its body (child_frame_id is empty): it is taken to be '%s', the "
+                 "root of the frames below which the LiDAR sits" % (odometry.name, body))
+    return body
+
+
+def _lidar_on_body(survey: Survey, cloud: TopicSurvey, body: str, odometry: TopicSurvey | None,
+                   imu: TopicSurvey | None) -> tuple[Array, str]:
+    if body and body == cloud.frame:
+        return np.eye(4), "poses are those of the clouds' own frame '%s'" % body
+    chain = survey.frames.chain(body, cloud.frame)
+    if chain is None:
+        survey.see_all_frames()
+        chain = survey.frames.chain(body, cloud.frame)
+    if chain is None:
+        text = _unknown(survey, cloud, body, _source_of(odometry, imu))
+        raise DatasetError(text + (_WITHOUT_IMU if odometry is None else ""))
+    return chain.T_A_B, "transforms " + " -> ".join(chain.frames)
+
+
+def _unknown(survey: Survey, cloud: TopicSurvey, body: str, source: str) -> str:
+    text = ("nothing says where the LiDAR sits: there is no chain of transforms that do not move from the body '%s' "
+            "(%s) to '%s' (frame of the clouds on %s)" % (body, source, cloud.frame, cloud.name))
+    moving = survey.frames.moving_between(body, cloud.frame)
+    if moving:
+        text += "; on the way " + " and ".join("'%s' moves against '%s'" % (b, a) for a, b in moving)
+    known = survey.frames.frames()
+    text += "; frames on /tf and /tf_static: %s" % (", ".join(known) if known else "none")
+    return text + "; " + HOW_TO_SET
+
+
+def _imu_on_body(survey: Survey, cloud: TopicSurvey, body: str, imu: TopicSurvey, T_B_L: Array) -> Array | None:
+    """Directly, or by way of the LiDAR; None where nothing tells."""
+    if imu.frame and imu.frame == body:
+        return np.eye(3)
+    direct = survey.frames.chain(body, imu.frame)
+    if direct is not None:
+        return direct.T_A_B[:3, :3]
+    by_lidar = survey.frames.chain(cloud.frame, imu.frame)
+    if by_lidar is not None:
+        R: Array = T_B_L[:3, :3] @ by_lidar.T_A_B[:3, :3]
+        return R
+    return T_B_L[:3, :3] if imu.frame == cloud.frame else None

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A look through a recording in seconds: all of a small one, and windows of a large one."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any, Dict, Iterator, List, NamedTuple
+
+import numpy as np
+
+import voxnav
+from voxnav.array_types import Array
+from voxnav.recordings import cloud_samples
+from voxnav.recordings.bag_files import TF_TOPICS, BagFiles, RawMessage, Topic, frame_name
+from voxnav.recordings.clocks import clock_offsets_ns
+from voxnav.recordings.frames import FrameGraph
+from voxnav.recordings.left_out import LeftOut
+
+CLOUD, ODOMETRY, IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
+KINDS = (CLOUD, ODOMETRY, IMU)
+
+# Larger recordings are looked at in windows: their beginning, their end, and some in between.
+_WHOLE_BYTES = 300 * 1024 * 1024
+_BEGIN_S, _WINDOW_S, _NUM_WINDOWS = 3.0, 1.0, 10
+_MAX_TF_MESSAGES = 20_000
+# Clouds of each topic that are looked into; the windows give no more than these.
+_NUM_CLOUDS = 16
+_MAX_POSES = 5_000
+
+
+class Gap(NamedTuple):
+    """A pause of a topic by its record times [s]."""
+
+    at_s: float
+    length_s: float
+
+
+class TopicSurvey:
+    """What the messages of one topic are like. Times are record times unless said; all of it is bounded."""
+
+    def __init__(self, topic: Topic, record_ns: Array) -> None:
+        self.topic = topic
+        self.begin_ns, self.end_ns = int(record_ns[0]), int(record_ns[-1])
+        steps_s = 1e-9 * np.diff(record_ns)
+        self.period_s = float(np.median(steps_s)) if len(steps_s) else None
+        self.gaps = [Gap(1e-9 * float(record_ns[i]), float(steps_s[i]))
+                     for i in np.flatnonzero(steps_s > max(1.0, 5.0 * (self.period_s or 0.0)))[:100]]
+        self.frames: Counter[str] = Counter()
+        self.children: Counter[str] = Counter()  # of odometry
+        self.stamps_ns: List[int] = []  # of the messages that were looked at
+        self.records_ns: List[int] = []
+        self.poses: List[Any] = []  # (3,) positions of odometry
+        self.forces: List[Any] = []  # (3,) accelerations of an IMU, from the beginning
+        self.clouds: List[cloud_samples.CloudSample] = []
+
+    @property
+    def name(self) -> str:
+        return self.topic.name
+
+    @property
+    def rate_hz(self) -> float | None:
+        return 1.0 / self.period_s if self.period_s else None
+
+    @property
+    def frame(self) -> str:
+        """The usual frame id, without a leading slash; empty where the messages name none."""
+        return self.frames.most_common(1)[0][0] if self.frames else ""
+
+    @property
+    def child(self) -> str:
+        return self.children.most_common(1)[0][0] if self.children else ""
+
+    @property
+    def offsets_ns(self) -> list[int]:
+        """See clock_offsets_ns()."""
+        return clock_offsets_ns(np.array(self.stamps_ns, dtype=np.int64), np.array(self.records_ns, dtype=np.int64))
+
+    @property
+    def offset_ns(self) -> int | None:
+        """Of the usual clock; None where record times tell nothing."""
+        return self.offsets_ns[0] if self.offsets_ns else None
+
+    @property
+    def stamp_period_s(self) -> float | None:
+        """Between stamps of consecutive messages; record times come in bursts."""
+        steps = np.diff(np.array(self.stamps_ns, dtype=np.int64)) * 1e-9
+        steps = steps[steps > 0]
+        return float(np.median(steps)) if len(steps) else self.period_s
+
+
+class Survey:
+    """Topics of clouds, odometry and IMU by name, and the frames. left_out: what could not be read."""
+
+    def __init__(self, files: BagFiles) -> None:
+        self.files = files
+        self.left_out = LeftOut()
+        self.frames = FrameGraph()
+        self.all_topics: Dict[str, Topic] = files.topics()
+        self.topics: Dict[str, TopicSurvey] = {}
+        for name, topic in sorted(self.all_topics.items()):
+            if topic.kind in KINDS:
+                self.topics[name] = TopicSurvey(topic, files.record_times_ns(name))
+        self.is_whole = files.size_bytes <= _WHOLE_BYTES
+        self._look_at_frames(all_of_tf=self.is_whole)
+        for message in self._sample():
+            self._look_at(message)
+
+    def of_kind(self, kind: str) -> list[TopicSurvey]:
+        return [topic for topic in self.topics.values() if topic.topic.kind == kind]
+
+    def see_all_frames(self) -> None:
+        """Read the whole of /tf, which windows of it may not have shown."""
+        if not self._has_all_of_tf:
+            self._look_at_frames(all_of_tf=True)
+
+    def _look_at_frames(self, all_of_tf: bool) -> None:
+        names = [name for name in TF_TOPICS if name in self.all_topics]
+        whole = [name for name in names if name.endswith("tf_static") or all_of_tf
+                 or self.all_topics[name].num <= _MAX_TF_MESSAGES]
+        for message in self.files.messages(whole) if whole else ():
+            self.frames.add_message(message, self.left_out)
+        parts = [name for name in names if name not in whole]
+        for window in self._windows() if parts else ():
+            for message in self.files.messages(parts, *window):
+                self.frames.add_message(message, self.left_out)
+        self._has_all_of_tf = not parts
+
+    def _windows(self) -> list[tuple[int | None, int | None]]:
+        if self.is_whole or not self.topics:
+            return [(None, None)]
+        begin = min(topic.begin_ns for topic in self.topics.values())
+        end = max(topic.end_ns for topic in self.topics.values())
+        starts = np.linspace(begin + 1e9 * _BEGIN_S, end - 1e9 * _WINDOW_S, _NUM_WINDOWS)
+        windows: list[tuple[int | None, int | None]] = [(begin, begin + int(1e9 * _BEGIN_S))]
+        return windows + [(int(start), int(start + 1e9 * _WINDOW_S)) for start in starts if start > begin]
+
+    def _sample(self) -> Iterator[RawMessage]:
+        for from_ns, until_ns in self._windows() if self.topics else ():
+            yield from self.files.messages(list(self.topics), from_ns, until_ns)
+
+    def _look_at(self, message: RawMessage) -> None:
+        """Messages that cannot be read are counted where the recording is mapped."""
+        topic = self.topics[message.topic]
+        try:
+            stamp_ns, frame = message.header()
+            topic.frames[frame] += 1
+            topic.stamps_ns.append(stamp_ns)
+            topic.records_ns.append(message.record_ns)
+            if topic.topic.kind == ODOMETRY and len(topic.poses) < _MAX_POSES:
+                self._look_at_odometry(topic, message.make())
+            elif topic.topic.kind == IMU and len(topic.forces) < _MAX_POSES:
+                force = message.make().linear_acceleration
+                topic.forces.append((force.x, force.y, force.z))
+            elif topic.topic.kind == CLOUD and self._is_wanted(topic):
+                topic.clouds.append(cloud_samples.CloudSample(message.make()))
+        except ValueError:
+            pass
+
+    @staticmethod
+    def _is_wanted(topic: TopicSurvey) -> bool:
+        """The first clouds in a row, and then some of the rest."""
+        seen, step = len(topic.stamps_ns), max(1, topic.topic.num // _NUM_CLOUDS)
+        return len(topic.clouds) < _NUM_CLOUDS and (seen <= _NUM_CLOUDS // 2 or seen % step == 0)
+
+    @staticmethod
+    def _look_at_odometry(topic: TopicSurvey, msg: Any) -> None:
+        topic.children[frame_name(msg.child_frame_id)] += 1
+        p, q = msg.pose.pose.position, msg.pose.pose.orientation
+        voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        topic.poses.append((p.x, p.y, p.z))
