@@ -8,6 +8,7 @@ namespace voxnav::bindings {
 
 void bind_offline_config(py::module_& m) {
   bind_words<PoseSource>(m, "PoseSource", "Where the poses of a recording's scans come from.");
+  bind_words<MountSource>(m, "MountSource", "Where the mount of a recording's LiDAR is from.");
   bind_config<OfflineConfig>(m, "OfflineConfig",
                              "Parameters of scripts/map_bag beside those of the parts that it runs.");
 }

@@ -454,6 +454,11 @@ class MapperStep:
     @property
     def handovers(self) -> List[Handover]: ...
 
+class MountSource(str, enum.Enum):
+    AUTO = "auto"
+    RECORDING = "recording"
+    GIVEN = "given"
+
 class NavigationMap:
     def __init__(self, config: NavigationMapConfig = ...) -> None: ...
     def apply_local(self, sequence: int, resolution_m: float, block_indices: Any, states: bytes, removed: Any, is_snapshot: bool) -> Any: ...
@@ -552,6 +557,7 @@ class OfflineConfig:
     odometry_topic: str
     imu_topic: str
     pose_source: str
+    mount_source: str
     mount_position_m: Sequence[float]
     mount_rpy_rad: Sequence[float]
     safety_distance_m: float
@@ -559,8 +565,8 @@ class OfflineConfig:
     def __init__(
         self, *,
         cloud_topic: str = ..., odometry_topic: str = ..., imu_topic: str = ..., pose_source: str = ...,
-        mount_position_m: Sequence[float] = ..., mount_rpy_rad: Sequence[float] = ..., safety_distance_m: float = ...,
-        write_mesh: bool = ...
+        mount_source: str = ..., mount_position_m: Sequence[float] = ..., mount_rpy_rad: Sequence[float] = ...,
+        safety_distance_m: float = ..., write_mesh: bool = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> OfflineConfig: ...

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Iterable, Sequence
+from typing import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -52,26 +52,52 @@ def pose_from_tum_row(row: Sequence[float]) -> Array:
     return T
 
 
-def read_tum(path: str) -> tuple[Array, Array]:
-    """Reads rows ``t x y z qx qy qz qw``. Returns (stamps (n,) s, poses (n, 4, 4)); ValueError names file and line."""
-    stamps, poses = [], []
-    with open(path) as source:
+def _rows(path: str) -> Iterator[tuple[int, list[str]]]:
+    """Lines of a text file with their numbers, as words between blanks or commas, without comments. Raises ValueError
+    naming the first line that is no text."""
+    with open(path, "rb") as source:
         for number, line in enumerate(source, 1):
-            words = line.split("#")[0].split()
-            if not words:
-                continue
             try:
-                row = [float(word) for word in words]
-                if len(row) != 8 or not np.all(np.isfinite(row)):
-                    raise ValueError("needs eight finite numbers t x y z qx qy qz qw")
-                poses.append(pose_from_tum_row(row))
-            except ValueError as error:
-                raise ValueError("%s line %d: %s" % (path, number, error))
-            stamps.append(row[0])
+                words = line.decode("utf-8-sig" if number == 1 else "utf-8").split("#")[0].replace(",", " ").split()
+            except UnicodeDecodeError:
+                raise ValueError("%s line %d: it is no text" % (path, number))
+            if words:
+                yield number, words
+
+
+def read_numbers(path: str) -> Array:
+    """Returns the numbers (n,) float64 of a file with one per line. Raises ValueError naming file and line."""
+    out = []
+    for number, words in _rows(path):
+        try:
+            if len(words) != 1 or not np.isfinite(float(words[0])):
+                raise ValueError("needs one finite number, has '%s'" % " ".join(words))
+            out.append(float(words[0]))
+        except ValueError as error:
+            raise ValueError("%s line %d: %s" % (path, number, error))
+    return np.array(out)
+
+
+def read_tum(path: str) -> tuple[Array, Array]:
+    """Reads rows ``t x y z qx qy qz qw`` with blanks or commas between. Returns (stamps (n,) s, poses (n, 4, 4)).
+
+    Raises ValueError naming file and line.
+    """
+    stamps: list[float] = []
+    poses = []
+    for number, words in _rows(path):
+        try:
+            row = [float(word) for word in words]
+            if len(row) != 8 or not np.all(np.isfinite(row)):
+                raise ValueError("needs eight finite numbers t x y z qx qy qz qw")
+            poses.append(pose_from_tum_row(row))
+            if stamps and row[0] <= stamps[-1]:
+                raise ValueError("time does not increase, %s after %s" % (words[0], repr(stamps[-1])))
+        except ValueError as error:
+            raise ValueError("%s line %d: %s" % (path, number, error))
+        stamps.append(row[0])
     if not stamps:
         raise ValueError("%s holds no poses" % path)
-    if np.any(np.diff(stamps) <= 0):
-        raise ValueError("%s: time does not increase from row to row" % path)
     return np.array(stamps), np.array(poses)
 
 

@@ -26,17 +26,21 @@ def sweeps(T_B_L=MOUNT, num_scans=NUM_SCANS):
                    for i, t in enumerate(FIRST_STAMP_S + SWEEP_S * np.arange(num_scans))]
 
 
-def cloud_message(scan, stamp):
+def cloud_message(scan, stamp, has_absolute_times=False):
+    """Point times are nanoseconds after the stamp, or seconds since the epoch of stamps."""
     import rospy
     from sensor_msgs.msg import PointCloud2, PointField
 
     height, width = scan.ranges_m.shape
-    rows = np.zeros((height, width), dtype=[("xyzi", "<f4", 4), ("t", "<u4")])
+    name, dtype, datatype = ("timestamp", "<f8", 8) if has_absolute_times else ("t", "<u4", 6)
+    rows = np.zeros((height, width), dtype=[("xyzi", "<f4", 4), ("t", dtype)])
     rows["xyzi"] = scan.organised
-    rows["t"] = np.round(scan.column_times_s * 1e9).astype(np.uint32)[None, :]
-    msg = PointCloud2(height=height, width=width, point_step=20, row_step=20 * width, data=rows.tobytes())
+    times_s = scan.column_times_s.astype(np.float64)
+    rows["t"] = (times_s + stamp if has_absolute_times else np.round(times_s * 1e9)).astype(dtype)[None, :]
+    step = rows.dtype.itemsize
+    msg = PointCloud2(height=height, width=width, point_step=step, row_step=step * width, data=rows.tobytes())
     msg.fields = [PointField(n, 4 * i, 7, 1) for i, n in enumerate(("x", "y", "z", "intensity"))]
-    msg.fields.append(PointField("t", 16, 6, 1))
+    msg.fields.append(PointField(name, 16, datatype, 1))
     msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp), "lidar"
     return msg
 
@@ -60,31 +64,64 @@ def imu_message(stamp):
     return msg
 
 
-def write_bag(path, scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S):
-    """A bag with the scans on /points, their mount on /tf_static, odometry at 50 Hz on /odom, IMU at 200 Hz on /imu.
+def odometry_message(stamp, T_O_B, child="body"):
+    import rospy
+    from nav_msgs.msg import Odometry
+
+    msg = Odometry(child_frame_id=child)
+    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp), "odom"
+    set_pose(msg.pose.pose, T_O_B)
+    return msg
+
+
+def link(parent, child, T_parent_child, stamp=0.0):
+    """A message for /tf or /tf_static."""
+    import rospy
+    from geometry_msgs.msg import TransformStamped
+    from tf2_msgs.msg import TFMessage
+
+    transform = TransformStamped(child_frame_id=child)
+    transform.header.stamp, transform.header.frame_id = rospy.Time.from_sec(stamp), parent
+    set_pose(transform.transform, T_parent_child)
+    return TFMessage([transform])
+
+
+def flight(scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S,
+           with_absolute_times=False):
+    """Messages as [record time s, topic, message]: the scans on /points, their mount on /tf_static, odometry at 50 Hz
+    on /odom, IMU at 200 Hz on /imu.
 
     first_stamp_s: of the first scan, which shows the flight at FIRST_STAMP_S.
     """
+    out = [[first_stamp_s - 0.1, "/tf_static", link("body", "lidar", T_B_L)]]
+    later_s = first_stamp_s - FIRST_STAMP_S
+    end_s = 1.2 + SWEEP_S * len(scans)
+    for t in np.arange(0.9, end_s, 0.02) if with_odometry else ():
+        out.append([t + later_s, "/odom", odometry_message(t + later_s, body_pose(t))])
+    for t in np.arange(0.9, end_s, 0.005) if with_imu else ():
+        out.append([t + later_s, "/imu", imu_message(t + later_s)])
+    for i, scan in enumerate(scans):
+        stamp = first_stamp_s + SWEEP_S * i
+        out.append([stamp + SWEEP_S, "/points", cloud_message(scan, stamp, with_absolute_times)])
+    return out
+
+
+def of_topic(messages, topic):
+    """Those of one topic, to be changed in place."""
+    return [message for message in messages if message[1] == topic]
+
+
+def write_messages(path, messages, compression="none", is_sorted=True):
+    """A bag with messages as flight() gives them, in the order of their record times unless they are sorted already."""
     import rosbag
     import rospy
-    from geometry_msgs.msg import TransformStamped
-    from nav_msgs.msg import Odometry
-    from tf2_msgs.msg import TFMessage
 
-    with rosbag.Bag(path, "w", chunk_threshold=100000) as out:
-        mount = TransformStamped(child_frame_id="lidar")
-        mount.header.frame_id = "body"
-        set_pose(mount.transform, T_B_L)
-        out.write("/tf_static", TFMessage([mount]), rospy.Time.from_sec(first_stamp_s - 0.1))
-        later_s = first_stamp_s - FIRST_STAMP_S
-        end_s = 1.2 + SWEEP_S * len(scans)
-        for t in np.arange(0.9, end_s, 0.02) if with_odometry else ():
-            odometry = Odometry(child_frame_id="body")
-            odometry.header.stamp, odometry.header.frame_id = rospy.Time.from_sec(t + later_s), "odom"
-            set_pose(odometry.pose.pose, body_pose(t))
-            out.write("/odom", odometry, rospy.Time.from_sec(t + later_s))
-        for t in np.arange(0.9, end_s, 0.005) if with_imu else ():
-            out.write("/imu", imu_message(t + later_s), rospy.Time.from_sec(t + later_s))
-        for i, scan in enumerate(scans):
-            stamp = first_stamp_s + SWEEP_S * i
-            out.write("/points", cloud_message(scan, stamp), rospy.Time.from_sec(stamp + SWEEP_S))
+    with rosbag.Bag(path, "w", compression, chunk_threshold=100000) as out:
+        for record_s, topic, msg in sorted(messages, key=lambda message: message[0]) if is_sorted else messages:
+            out.write(topic, msg, rospy.Time.from_sec(record_s))
+    return path
+
+
+def write_bag(path, scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S):
+    """A bag with the messages of flight()."""
+    write_messages(path, flight(scans, T_B_L, with_odometry, with_imu, first_stamp_s))

@@ -14,10 +14,10 @@ pytest.importorskip("rosbag")
 pytest.importorskip("roslaunch")
 
 import voxnav  # noqa: E402
-from recordings import ROOT, body_pose, sweeps, write_bag  # noqa: E402
+from recordings import FIRST_STAMP_S, ROOT, body_pose, flight, sweeps, write_messages  # noqa: E402
 from voxnav import simulation  # noqa: E402
 from voxnav.demo.recording import mount_argument  # noqa: E402
-from voxnav.offline.cli import rotation_from_rpy  # noqa: E402
+from voxnav.offline.configs import rotation_from_rpy  # noqa: E402
 
 # Half a metre off the body and turned about every axis: a demonstration that forgets the mount misses the ground.
 MOUNT = np.eye(4)
@@ -25,10 +25,11 @@ MOUNT[:3, :3] = rotation_from_rpy(np.array([0.1, 0.3, 1.2]))
 MOUNT[:3, 3] = (0.3, -0.2, 0.4)
 
 
-def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(tmp_path):
+@pytest.mark.parametrize("with_absolute_times, first_stamp_s", [(False, FIRST_STAMP_S), (True, 100.0)])
+def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(with_absolute_times, first_stamp_s, tmp_path):
     world, scans = sweeps(MOUNT)
     bag, out = str(tmp_path / "flight.bag"), str(tmp_path / "out")
-    write_bag(bag, scans, MOUNT)
+    write_messages(bag, flight(scans, MOUNT, first_stamp_s=first_stamp_s, with_absolute_times=with_absolute_times))
     command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", bag, "--out", out, "--no-rviz"]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
                          timeout=300)
@@ -41,6 +42,7 @@ def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(tmp_path
     points = voxnav.SubmapCollection.load(os.path.join(out, "map")).occupied_points()
     distances = world.surface_distance(points.astype(np.float64))
     assert len(points) > 100
+    assert "point times" in run.stdout and "left out" not in run.stdout
     assert np.mean(distances < 0.2) > 0.95  # half a voxel
     # All recorded poses are played, those before the first and after the last scan too.
     begin, end = body_pose(0.9)[:3, 3], body_pose(1.2 + 0.1 * len(scans))[:3, 3]

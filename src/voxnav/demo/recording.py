@@ -19,12 +19,19 @@ from voxnav.demo.mission import repository_file
 from voxnav.demo.record import FlightRecord
 from voxnav.demo.rviz import Rviz, show
 from voxnav.offline.cli import ProgressBar
-from voxnav.offline.datasets import DatasetError, ScanFolder
+from voxnav.offline.configs import mount_from_words
+from voxnav.offline.datasets import ScanFolder
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.page import page
+from voxnav.recordings.plan import BagOptions
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="demo_real", description=__doc__)
-    parser.add_argument("--data", required=True, help="rosbag, or folder with scans/%%06d.bin and times.txt")
+    parser.add_argument("--data", required=True, nargs="+",
+                        help="rosbags of one recording, or a folder with scans/%%06d.bin and times.txt")
+    parser.add_argument("--mount", metavar="'X Y Z ROLL PITCH YAW'", help="where the LiDAR sits on the body, in metres "
+                        "and radians; without: as the transforms of the bag say")
     parser.add_argument("--poses", help="TUM poses of the sensor to map with; without: LiDAR odometry, or the bag's")
     parser.add_argument("--reference", help="TUM trajectory to measure against; default: poses_gt.txt in the folder")
     parser.add_argument("--config", help="YAML with one section per node, over the defaults of config/")
@@ -35,16 +42,18 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 def _dataset(args: argparse.Namespace) -> tuple[Any, bool, Array | None]:
     """Returns (dataset, whether it has poses, T_B_L or None)."""
-    if os.path.isdir(args.data):
-        return ScanFolder(args.data, args.poses), args.poses is not None, None
+    T_B_L = mount_from_words(args.mount) if args.mount else None
+    if os.path.isdir(args.data[0]):
+        return ScanFolder(args.data[0], args.poses), args.poses is not None, T_B_L
     from voxnav.offline.bag import Bag
 
-    bag = Bag(args.data)
+    bag = Bag(args.data, BagOptions(T_B_L=T_B_L))
+    print("\n".join(page(bag.plan, args.data)), flush=True)
     return bag, bag.has_poses, bag.T_B_L
 
 
 def _reference(args: argparse.Namespace) -> tuple[Array, Array] | None:
-    path = args.reference or os.path.join(args.data, "poses_gt.txt")
+    path = args.reference or os.path.join(args.data[0], "poses_gt.txt")
     if not os.path.exists(path):
         if args.reference:
             raise DatasetError("%s: no such file" % path)
@@ -64,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     os.environ["ROS_NAMESPACE"] = "/uav1"  # rospy reads it when imported, which opening a bag does
     os.makedirs(args.out, exist_ok=True)
-    name = os.path.basename(os.path.normpath(args.data))
+    name = os.path.basename(os.path.normpath(args.data[0]))
     record = FlightRecord(name)
     started, log = time.monotonic(), os.path.join(args.out, "roslaunch.log")
     try:
@@ -74,7 +83,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("demo_real: %s" % error, file=sys.stderr)
         return 1
     print("demo_real: %s through the nodes, poses from %s; logs in %s" % (
-        args.data, "the recording" if has_poses else "LiDAR odometry", log), flush=True)
+        " ".join(args.data), "the recording" if has_poses else "LiDAR odometry", log), flush=True)
     rviz = None
     processes.end_cleanly_when_terminated()
     launch_args = {"odometry": "external" if has_poses else "lidar", "sensor_mount": mount_argument(T_B_L),
@@ -91,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             rviz = Rviz(env, config, os.path.join(args.out, "rviz.log"))
         bar = ProgressBar(dataset.num_scans)
         mapping_mission.run(record, dataset, has_poses, T_B_L, reference, bar.update, os.path.join(args.out, "map"))
-        notes = dataset.warnings[:10] + show(args, env, record, rviz, config)
+        notes = dataset.warnings[:10] + dataset.left_out.lines()[:10] + show(args, env, record, rviz, config)
     finally:
         if rviz:
             rviz.stop()

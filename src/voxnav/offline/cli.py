@@ -10,17 +10,20 @@ import time
 from typing import Any, Sequence
 
 import numpy as np
-import yaml
 
 import voxnav
 from voxnav import files
-from voxnav.array_types import Array, ArrayLike
-from voxnav.demo.mission import repository_file
+from voxnav.array_types import Array
 from voxnav.offline.bag import Bag
-from voxnav.offline.configs import load_configs
-from voxnav.offline.datasets import DatasetError, ScanFolder
+from voxnav.offline.configs import given_mount, load_files, options_of
+from voxnav.offline.datasets import ScanFolder
 from voxnav.offline.outputs import write_outputs
 from voxnav.offline.runner import OfflineMapper
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.left_out import REPEATED
+from voxnav.recordings.page import page
+
+NOT_COVERED = 3  # exit status of a run whose map does not cover the recording
 
 
 class ProgressBar:
@@ -45,82 +48,79 @@ class ProgressBar:
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="map_bag", description=__doc__)
-    parser.add_argument("bag", nargs="?", help="rosbag with clouds, and odometry and IMU where there are any")
-    parser.add_argument("--scans", metavar="DIR", help="instead of a bag: folder with scans/%%06d.bin and times.txt")
+    parser = argparse.ArgumentParser(prog="map_bag", description=__doc__, epilog="Exit status: 0 when what was mapped "
+                                     "covers the recording, 3 when it does not, 1 when nothing could be mapped.")
+    parser.add_argument("bag", nargs="*", help="rosbags of one recording with clouds, and odometry and IMU where there "
+                                               "are any")
+    parser.add_argument("--scans", metavar="DIR", help="instead of bags: folder with scans/%%06d.bin and times.txt")
     parser.add_argument("--poses", metavar="FILE",
                         help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
+    parser.add_argument("--mount", metavar="'X Y Z ROLL PITCH YAW'", help="where the LiDAR sits on the body, in metres "
+                        "and radians; without: as run/mount_source says, which is as the transforms of the bag do")
     parser.add_argument("--reference", metavar="FILE", help="TUM trajectory to measure errors against")
     parser.add_argument("--config", metavar="YAML", help="over config/map_bag.yaml: one section per part")
     parser.add_argument("--out", metavar="DIR", default="map_bag_out", help="folder for everything that is written")
     args = parser.parse_args(argv)
-    if (args.bag is None) == (args.scans is None):
-        parser.error("give either a bag or --scans DIR")
+    if bool(args.bag) == (args.scans is not None):
+        parser.error("give either bags or --scans DIR")
     return args
 
 
-def rotation_from_rpy(rpy_rad: ArrayLike) -> Array:
-    """Returns the (3, 3) rotation of fixed-axis roll, pitch, yaw."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
-    return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-                     [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-                     [-sp, cp * sr, cp * cr]])
-
-
-def _configs(path: str | None) -> dict[str, Any]:
-    with open(repository_file("config/map_bag.yaml")) as source:
-        tree = yaml.safe_load(source) or {}
-    if path:
-        with open(path) as source:
-            own = yaml.safe_load(source) or {}
-        if not isinstance(own, dict):
-            raise voxnav.ConfigError("%s: must be a mapping of sections" % path)
-        for section, values in own.items():
-            tree[section] = dict(tree.get(section) or {}, **(values or {})) if isinstance(values, dict) else values
-    return load_configs(tree)
-
-
-def _mount(settings: voxnav.OfflineConfig) -> Array | None:
-    """Returns T_B_L as configured, or None if it is not configured."""
-    if not np.any(settings.mount_position_m) and not np.any(settings.mount_rpy_rad):
-        return None
-    T_B_L = np.eye(4)
-    T_B_L[:3, :3] = rotation_from_rpy(np.array(settings.mount_rpy_rad))
-    T_B_L[:3, 3] = settings.mount_position_m
-    return T_B_L
-
-
-def _dataset(args: argparse.Namespace, settings: voxnav.OfflineConfig) -> tuple[ScanFolder | Bag, Array]:
+def _dataset(args: argparse.Namespace, configs: dict[str, Any]) -> tuple[ScanFolder | Bag, Array]:
     """Opens the recording. Returns it and T_B_L."""
-    T_B_L = _mount(settings)
+    T_B_L = given_mount(args.mount, configs["run"])
     if args.scans:
         return ScanFolder(args.scans, args.poses), np.eye(4) if T_B_L is None else T_B_L
-    bag = Bag(args.bag, settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L,
-              use_odometry=settings.pose_source != voxnav.PoseSource.LIDAR)
+    bag = Bag(args.bag, options_of(configs, T_B_L))
     return bag, bag.T_B_L
 
 
-def run(args: argparse.Namespace) -> dict[str, Any]:
-    configs = _configs(args.config)
-    settings = configs["run"]
-    dataset, T_B_L = _dataset(args, settings)
-    reference = None
-    if args.reference:
-        stamps, poses = files.read_tum(args.reference)
-        reference = (stamps, poses[:, :3, 3])
-    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses)
+def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
+    """Everything of a recording. Raises DatasetError when no scan could be mapped."""
     bar, done = ProgressBar(dataset.num_scans), 0
     for record in dataset:
         mapper.add(record)
         if hasattr(record, "points"):
             done += 1
             bar.update(done)
-    if not mapper.stamps:
-        raise DatasetError("no scan could be mapped: " + "; ".join(mapper.warnings[:5] or ["the recording is empty"]))
-    mapper.finish()
+    mapper.left_out.take(dataset.left_out)
+    mapper.coverage.add_lost(dataset.left_out.count("cloud", but=REPEATED))
     mapper.warnings += dataset.warnings
-    title = os.path.basename(os.path.normpath(args.scans or args.bag))
+    if not mapper.stamps:
+        problems = mapper.left_out.lines() + mapper.warnings
+        raise DatasetError("no scan could be mapped: " + "; ".join(problems[:5] or ["the recording is empty"]))
+    mapper.finish()
+
+
+def run(args: argparse.Namespace) -> dict[str, Any]:
+    configs = load_files(args.config)
+    dataset, T_B_L = _dataset(args, configs)
+    reference = None
+    if args.reference:
+        stamps, poses = files.read_tum(args.reference)
+        reference = (stamps, poses[:, :3, 3])
+    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses)
+    mapper.origin_m = dataset.origin_m
+    if isinstance(dataset, Bag):
+        mapper.page = page(dataset.plan, args.bag)
+        print("\n".join(mapper.page), flush=True)
+    _map(dataset, mapper)
+    title = os.path.basename(os.path.normpath(args.scans or args.bag[0]))
+    settings = configs["run"]
     return write_outputs(mapper, args.out, title, settings.safety_distance_m, settings.write_mesh, reference)
+
+
+def _say(metrics: dict[str, Any]) -> None:
+    """What is to be known of a run, the list of what was left out last."""
+    for name, stage in sorted(metrics["stages"].items()):
+        print("%-20s %6d calls  mean %8.2f ms  p99 %8.2f ms  max %8.2f ms" % (
+            name, stage["count"], stage["mean_ms"], stage["p99_ms"], stage["max_ms"]))
+    for name, value in sorted(metrics.get("errors", {}).items()):
+        print("%s = %.3f" % (name, value))
+    for warning in metrics["warnings"][:20]:
+        print("warning: " + warning)
+    if len(metrics["warnings"]) > 20:
+        print("... and %d warnings more in metrics.json" % (len(metrics["warnings"]) - 20))
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -130,13 +130,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (DatasetError, voxnav.ConfigError, ValueError, OSError) as error:
         print("map_bag: %s" % error, file=sys.stderr)
         return 1
-    for name, stage in sorted(metrics["stages"].items()):
-        print("%-20s %6d calls  mean %8.2f ms  p99 %8.2f ms  max %8.2f ms" % (
-            name, stage["count"], stage["mean_ms"], stage["p99_ms"], stage["max_ms"]))
-    for name, value in sorted(metrics.get("errors", {}).items()):
-        print("%s = %.3f" % (name, value))
-    for warning in metrics["warnings"][:10]:
-        print("warning: " + warning)
+    _say(metrics)
     print("%d scans, %d submaps; everything is in %s, begin with report.html or metrics.json" % (
         metrics["counts"]["scans"], metrics["counts"]["submaps"], args.out))
-    return 0
+    print(metrics["coverage"]["sentence"])
+    print("left out:" if metrics["left_out_lines"] else "left out: nothing")
+    for line in metrics["left_out_lines"]:
+        print("  " + line)
+    return 0 if metrics["coverage"]["is_enough"] else NOT_COVERED

@@ -5,7 +5,13 @@ from __future__ import annotations
 
 from typing import Any, Dict
 
+import numpy as np
+import yaml
+
 import voxnav
+from voxnav.array_types import Array, ArrayLike
+from voxnav.demo.mission import repository_file
+from voxnav.recordings.plan import BagOptions
 
 SECTIONS: Dict[str, Any] = {
     "run": voxnav.OfflineConfig,
@@ -45,3 +51,69 @@ def load_configs(tree: Any) -> dict[str, Any]:
     if problems:
         raise voxnav.ConfigError("\n".join(problems))
     return configs
+
+
+def _tree_of(path: str) -> dict[str, Any]:
+    """Raises ConfigError naming file and line."""
+    with open(path) as source:
+        try:
+            tree = yaml.safe_load(source) or {}
+        except yaml.YAMLError as error:
+            raise voxnav.ConfigError("%s: %s" % (path, " ".join(str(error).split())))
+    if not isinstance(tree, dict):
+        raise voxnav.ConfigError("%s: must be a mapping of sections" % path)
+    return tree
+
+
+def load_files(path: str | None) -> dict[str, Any]:
+    """config/map_bag.yaml, and over it a file of somebody's own. Raises ConfigError."""
+    tree = _tree_of(repository_file("config/map_bag.yaml"))
+    for section, values in (_tree_of(path) if path else {}).items():
+        tree[section] = dict(tree.get(section) or {}, **(values or {})) if isinstance(values, dict) else values
+    return load_configs(tree)
+
+
+def rotation_from_rpy(rpy_rad: ArrayLike) -> Array:
+    """Returns the (3, 3) rotation of fixed-axis roll, pitch, yaw."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy_rad), np.sin(rpy_rad)
+    return np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                     [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                     [-sp, cp * sr, cp * cr]])
+
+
+def mount_of(position_m: ArrayLike, rpy_rad: ArrayLike) -> Array:
+    """Returns T_B_L (4, 4)."""
+    T_B_L = np.eye(4)
+    T_B_L[:3, :3] = rotation_from_rpy(np.asarray(rpy_rad, dtype=np.float64))
+    T_B_L[:3, 3] = position_m
+    return T_B_L
+
+
+def mount_from_words(text: str) -> Array:
+    """(4, 4) T_B_L of 'X Y Z ROLL PITCH YAW', metres and radians. Raises ValueError."""
+    words = text.replace(",", " ").split()
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) != 6 or not np.all(np.isfinite(values)):
+        raise ValueError("--mount needs six numbers X Y Z ROLL PITCH YAW (metres and radians), not '%s'" % text)
+    return mount_of(values[:3], values[3:])
+
+
+def given_mount(words: str | None, settings: Any) -> Array | None:
+    """T_B_L as somebody gives it, (4, 4); None when it is to be taken from the recording. words: of --mount."""
+    if words:
+        return mount_from_words(words)
+    source = settings.mount_source
+    is_set = bool(np.any(settings.mount_position_m) or np.any(settings.mount_rpy_rad))
+    if source == voxnav.MountSource.GIVEN or (source == voxnav.MountSource.AUTO and is_set):
+        return mount_of(settings.mount_position_m, settings.mount_rpy_rad)
+    return None
+
+
+def options_of(configs: dict[str, Any], T_B_L: Array | None) -> BagOptions:
+    """How a bag is to be read."""
+    settings = configs["run"]
+    return BagOptions(settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L, settings.pose_source,
+                      configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s)

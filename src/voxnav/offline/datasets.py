@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recordings as one stream: folders of raw scans, and rosbags.
 
-A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records in the order in which they were recorded, and knows
-``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the recording
-but could be passed over.
+A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep, and
+knows ``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the
+recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was subtracted from
+its positions, None where nothing was.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ import numpy as np
 
 from voxnav import files
 from voxnav.array_types import Array
+from voxnav.recordings import origin
+from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.left_out import LeftOut
 
 
 class Scan(NamedTuple):
@@ -46,10 +50,6 @@ class Odometry(NamedTuple):
 MAX_WARNINGS = 1000
 
 
-class DatasetError(ValueError):
-    """A recording cannot be used; the text tells what is missing and where."""
-
-
 class ScanFolder:
     """``scans/%06d.bin`` (float32 x y z intensity rows), ``times.txt`` and TUM poses.
 
@@ -58,6 +58,8 @@ class ScanFolder:
 
     def __init__(self, directory: str, poses: str | None = None) -> None:
         self.warnings: list[str] = []
+        self.left_out = LeftOut()
+        self.origin_m: Array | None = None
         self._scan_dir = os.path.join(directory, "scans")
         if not os.path.isdir(self._scan_dir):
             raise DatasetError("%s: no folder scans/ in it" % directory)
@@ -73,16 +75,16 @@ class ScanFolder:
         if not os.path.exists(path):
             self.warnings.append("no times.txt: scans are taken to be 0.1 s apart")
             return np.arange(len(self._names)) * 0.1
-        try:
-            stamps = np.loadtxt(path, ndmin=1)
-        except ValueError as error:
-            raise DatasetError("%s: %s" % (path, error))
+        stamps = files.read_numbers(path)
         if len(stamps) < len(self._names):
             raise DatasetError("%s: %d times for %d scans" % (path, len(stamps), len(self._names)))
         return stamps[:len(self._names)]
 
     def _poses_at(self, path: str) -> list[Array | None]:
         stamps, poses = files.read_tum(path)
+        self.origin_m = origin.origin_of(poses[:, :3, 3])
+        if self.origin_m is not None:
+            poses[:, :3, 3] -= self.origin_m
         out = []
         for stamp in self._stamps:
             nearest = int(np.argmin(np.abs(stamps - stamp)))

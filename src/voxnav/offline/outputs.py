@@ -41,7 +41,10 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
         mapper.collection.save(os.path.join(directory, "map"))
     counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))
     metrics: dict[str, Any] = {"stages": mapper.stages.summary(), "memory": mapper.memory,
-                               "warnings": mapper.warnings[:1000], "counts": counts}
+                               "warnings": (mapper.warnings + mapper.gaps.notes)[:1000], "counts": counts,
+                               "left_out": mapper.left_out.rows(), "left_out_lines": mapper.left_out.lines(),
+                               "coverage": _coverage(mapper), "recording": mapper.page,
+                               "origin_m": [0.0] * 3 if mapper.origin_m is None else list(mapper.origin_m)}
     if reference is not None:
         metrics["errors"] = _errors(reference, mapper.stamps, odometry, stamps, optimised)
     with open(os.path.join(directory, "metrics.json"), "w") as out:
@@ -52,6 +55,12 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
     except PicturesUnavailable as error:
         metrics["warnings"].insert(0, "no report.html: %s" % error)
     return metrics
+
+
+def _coverage(mapper: OfflineMapper) -> dict[str, Any]:
+    found = mapper.coverage
+    return {"share": found.share, "longest_hole_s": found.longest_hole_s, "is_enough": found.is_enough,
+            "sentence": found.sentence()}
 
 
 def _errors(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array, optimised_stamps: Array,

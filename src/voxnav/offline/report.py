@@ -15,7 +15,7 @@ from voxnav.plotting import pyplot
 
 _STYLE = """body{font-family:sans-serif;max-width:1100px;margin:2em auto;color:#222}
 table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;border-bottom:1px solid #ddd}
-td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
+pre{white-space:pre-wrap}td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
 
 
 def _image(figure: Any) -> str:
@@ -81,6 +81,14 @@ def _table(rows: Iterable[Sequence[Any]], header: Iterable[str]) -> str:
     return "<table><tr>%s</tr>%s</table>" % (cells, body)
 
 
+def _page(lines: Sequence[str]) -> str:
+    return "<h2>The recording</h2><pre>%s</pre>" % html.escape("\n".join(lines)) if lines else ""
+
+
+def _list(lines: Iterable[str]) -> str:
+    return "<ul>%s</ul>" % "".join("<li>%s</li>" % html.escape(line) for line in lines)
+
+
 def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array, odometry: Array, optimised: Array,
                  reference: Array | None = None) -> None:
     """Writes the report. metrics: the content of metrics.json."""
@@ -91,7 +99,7 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
     counts = [[key, value] for key, value in sorted(metrics["counts"].items())]
     errors = [[key, "%.3f m" % value] for key, value in sorted(metrics.get("errors", {}).items())]
     parts = ["<!doctype html><meta charset='utf-8'><title>%s</title><style>%s</style>" % (html.escape(title), _STYLE),
-             "<h1>%s</h1>" % html.escape(title), "<h2>Map and trajectory</h2>",
+             "<h1>%s</h1>" % html.escape(title), _page(metrics["recording"]), "<h2>Map and trajectory</h2>",
              _image(map_figure(occupied, odometry, optimised, reference))]
     if errors:
         parts += ["<h2>Trajectory error</h2>", _table(errors, ("RMSE", "value"))]
@@ -101,7 +109,9 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
     if metrics["memory"]:
         parts += ["<h2>Memory</h2>", _image(memory_figure(metrics["memory"]))]
     parts += ["<h2>Counts</h2>", _table(counts, ("what", "number"))]
+    parts += ["<h2>What was left out</h2>", "<p>%s</p>" % html.escape(metrics["coverage"]["sentence"]),
+              _list(metrics["left_out_lines"] or ["nothing"])]
     if metrics["warnings"]:
-        parts += ["<h2>Warnings</h2><ul>"] + ["<li>%s</li>" % html.escape(w) for w in metrics["warnings"]] + ["</ul>"]
+        parts += ["<h2>Warnings</h2>", _list(metrics["warnings"])]
     with open(path, "w") as out:
         out.write("\n".join(parts))

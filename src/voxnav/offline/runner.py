@@ -11,8 +11,12 @@ import numpy as np
 
 import voxnav
 from voxnav.array_types import Array
+from voxnav.offline.coverage import Coverage
 from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry, Scan
+from voxnav.offline.pose_gaps import PoseGaps, StampedPose
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
+from voxnav.recordings.cloud_samples import layout_of
+from voxnav.recordings.left_out import LeftOut
 
 
 class Stages:
@@ -38,6 +42,11 @@ class Stages:
         return out
 
 
+def _reasons(counts: dict[str, int]) -> str:
+    """What became of the points of a cloud of which none was kept."""
+    return ", ".join("%s %d" % (name, count) for name, count in sorted(counts.items()) if count)
+
+
 def _record_of(finished: voxnav.FinishedSubmap) -> SubmapRecord:
     """Returns a FinishedSubmap as a record for the graph, with its poses as they would arrive at the optimiser node."""
     poses = np.array([voxnav.as_sent(T) for T in finished.T_S_B]).reshape(-1, 4, 4)
@@ -58,6 +67,13 @@ class OfflineMapper:
         self._assembler = voxnav.SubmapAssembler(configs["submap"])
         T_B_L = voxnav.as_sent(np.ascontiguousarray(T_B_L))
         self._T_L_B = np.linalg.inv(T_B_L)
+        # What "auto" means: recorded poses where there are any, and LiDAR odometry otherwise.
+        covers_gaps = source == voxnav.PoseSource.AUTO and not self._uses_odometry
+        self.gaps = PoseGaps(configs["odometry"] if covers_gaps else None, T_B_L, configs["mapper"].max_pose_gap_s)
+        self.coverage = Coverage()
+        self.left_out = LeftOut()
+        self.page: list[str] = []  # what the recording is like, for people
+        self.origin_m: Array | None = None  # what the recording's positions were brought nearer by
         self.filter = voxnav.CloudFilter(configs["filter"])
         self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
         self.mapper = voxnav.Mapper(self._mapper_config(configs), T_B_L)
@@ -87,15 +103,15 @@ class OfflineMapper:
             self._add_imu(record)
         elif isinstance(record, Odometry):
             T_O_B = voxnav.pose_from_quaternion(record.position, record.q_xyzw)
-            if not self.mapper.add_pose(record.stamp_ns, T_O_B):
-                self._warn("odometry of %.6f left out: its stamp is not newer than the one before" % (
-                    1e-9 * record.stamp_ns))
+            self._add_poses(self.gaps.add_pose(record.stamp_ns, T_O_B))
+            self._add_poses([StampedPose(record.stamp_ns, T_O_B)])
         else:
             self._add_scan(record)
         self._map_ready()
 
     def finish(self) -> voxnav.OptimizeReport:
         """Closes the open submap and solves once more, with all submaps."""
+        self.gaps.end()
         self.mapper.end_input()
         self._map_ready()
         for handover in self.mapper.finish():
@@ -110,15 +126,30 @@ class OfflineMapper:
         timer = self.stages.time("odometry") if self.mapper.is_waiting_for_imu else contextlib.nullcontext()
         with timer:
             self.mapper.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
+            self.gaps.add_imu(imu)
+
+    def _add_poses(self, poses: list[StampedPose]) -> None:
+        for pose in poses:
+            if not self.mapper.add_pose(pose.stamp_ns, pose.T):
+                self.left_out.add("odometry", "its stamp is not newer than the one before", pose.stamp_ns)
 
     def _add_scan(self, scan: Scan) -> None:
-        with self.stages.time("filter"):
-            filtered, open_beams = self._filter(scan)
-            sweep = filtered.sweep(scan.stamp_ns, open_beams)
+        """A cloud that cannot be read, or shows nothing, costs itself alone."""
+        try:
+            with self.stages.time("filter"):
+                filtered, open_beams = self._filter(scan)
+                sweep = filtered.sweep(scan.stamp_ns, open_beams)
+        except ValueError as error:
+            return self._leave_out(1e-9 * scan.stamp_ns, str(error))
+        if not len(sweep.points) and (open_beams is None or not len(open_beams)):
+            return self._leave_out(1e-9 * scan.stamp_ns, "it has no points" if not filtered.total else
+                                   "the filter keeps none of its points (%s)" % _reasons(filtered.counts))
         self.counts["points_in"] += filtered.total
         self.counts["points_kept"] += filtered.counts["kept"]
         timer = self.stages.time("odometry") if self._uses_odometry else contextlib.nullcontext()
         with timer:
+            if not self._uses_odometry and scan.T_O_L is None:
+                self._add_poses(self.gaps.add_sweep(sweep))
             T_O_L = None if self._uses_odometry else scan.T_O_L
             self.mapper.queue_sweep(sweep, None if T_O_L is None else T_O_L @ self._T_L_B)
 
@@ -126,10 +157,9 @@ class OfflineMapper:
         """Filters a scan. Returns the FilterResult, and the open beams (k, 3) or None."""
         if scan.raw is None:
             return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32)), None
-        fields = [(f.name, f.offset, f.datatype, f.count) for f in scan.raw.fields]
-        layout = voxnav.CloudLayout(scan.raw.height, scan.raw.width, scan.raw.point_step, fields,
-                                    row_step=scan.raw.row_step, is_big_endian=bool(scan.raw.is_bigendian))
-        filtered = self.filter.apply_raw(scan.raw.data, layout, stamp_ns=scan.stamp_ns)
+        layout = layout_of(scan.raw)
+        # By the stamp that the cloud bears: absolute times of its points are of the same clock.
+        filtered = self.filter.apply_raw(scan.raw.data, layout, stamp_ns=scan.raw.header.stamp.to_nsec())
         return filtered, self._open_beams.find(scan.raw.data, layout) if self._open_beams else None
 
     def _map_ready(self) -> None:
@@ -145,7 +175,7 @@ class OfflineMapper:
                 self._note(step)
             else:
                 self.counts["scans_without_pose"] += 1
-                self._warn("scan %.6f left out: %s" % (step.stamp, step.reason))
+                self._leave_out(step.stamp, step.reason)
 
     def _note(self, step: Any) -> None:
         with self.stages.time("submap schedule"):
@@ -155,7 +185,12 @@ class OfflineMapper:
         self.stamps.append(step.stamp)
         self.poses.append(step.T_O_B)
         self.counts["scans"] += 1
+        self.coverage.add(step.stamp, True)
         self._note_memory(step.stamp)
+
+    def _leave_out(self, stamp_s: float, reason: str) -> None:
+        self.coverage.add(stamp_s, False)
+        self.left_out.add("cloud", reason, int(1e9 * stamp_s))
 
     def _warn(self, text: str) -> None:
         if len(self.warnings) < MAX_WARNINGS:

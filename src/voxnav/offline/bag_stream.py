@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One pass over the messages of a recording: stamps put right, in order, as records."""
+
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import numpy as np
+
+import voxnav
+from voxnav.offline.datasets import Imu, Odometry, Scan
+from voxnav.recordings.bag_files import BagFiles, RawMessage, frame_name
+from voxnav.recordings.clocks import Stamped, TopicClock
+from voxnav.recordings.left_out import LeftOut
+from voxnav.recordings.lone_poses import LonePoses, Posed
+from voxnav.recordings.order import Ordered, TopicOrder
+from voxnav.recordings.plan import Plan
+from voxnav.recordings.survey import TopicSurvey
+
+
+class BagStream:
+    """plan: without error. left_out: takes what is not used, with its reason."""
+
+    def __init__(self, plan: Plan, files: BagFiles, left_out: LeftOut) -> None:
+        assert plan.cloud is not None and plan.mount is not None
+        self._plan, self._files, self._left_out = plan, files, left_out
+        self._R_B_I, self._sweep_ns = plan.mount.R_B_I, int(1e9 * plan.sweep_s)
+        used = [("cloud", plan.cloud), ("odometry", plan.odometry), ("IMU", plan.imu)]
+        self._topics: dict[str, TopicSurvey] = {topic.name: topic for _, topic in used if topic is not None}
+        self._what = {topic.name: what for what, topic in used if topic is not None}
+        self._clocks = {name: TopicClock(self._what[name], left_out, topic.period_s, topic.offsets_ns)
+                        for name, topic in self._topics.items()}
+        self._order = TopicOrder(list(self._topics))
+        self._lone_poses = LonePoses()
+
+    def records(self) -> Iterator[Imu | Odometry | Scan]:
+        """All that can be used. Messages are read once; what is held of them is bounded."""
+        self._files.left_out = self._left_out
+        going_on = dict(self._topics)
+        for message in self._files.messages(list(self._topics)):
+            for name in [name for name, topic in going_on.items() if topic.end_ns < message.record_ns]:
+                del going_on[name]
+                yield from self._end(name)
+            yield from self._add(message)
+        for name in going_on:
+            yield from self._end(name)
+
+    def notes(self) -> list[str]:
+        """What happened to clocks and order, for people."""
+        out = [note for clock in self._clocks.values() for note in clock.notes]
+        if self._order.num_forced:
+            out.append("%d messages did not wait for those of other topics, which came too late" %
+                       self._order.num_forced)
+        return out
+
+    def _add(self, message: RawMessage) -> Iterator[Imu | Odometry | Scan]:
+        what, topic = self._what[message.topic], self._topics[message.topic]
+        try:
+            stamp_ns, frame = message.header()
+            if frame != topic.frame:
+                raise ValueError("its frame is '%s', that of the others '%s'" % (frame, topic.frame))
+        except ValueError as error:
+            self._left_out.add(what, str(error), message.record_ns)
+            return
+        for stamped in self._clocks[message.topic].add(stamp_ns, message.record_ns, message):
+            yield from self._put_in_order(stamped)
+
+    def _end(self, name: str) -> Iterator[Imu | Odometry | Scan]:
+        for stamped in self._clocks[name].end():
+            yield from self._put_in_order(stamped)
+        if self._what[name] == "odometry":
+            yield from self._order_poses(name, self._lone_poses.end())
+        for ready in self._order.end(name):
+            yield from self._record(ready)
+
+    def _put_in_order(self, stamped: Stamped) -> Iterator[Imu | Odometry | Scan]:
+        message: RawMessage = stamped.payload
+        what = self._what[message.topic]
+        if what == "odometry":
+            pose = self._pose(stamped)
+            if pose is not None:
+                yield from self._order_poses(message.topic, self._lone_poses.add(pose))
+            return
+        due_ns = stamped.stamp_ns + (self._sweep_ns if what == "cloud" else 0)
+        for ready in self._order.add(message.topic, Ordered(due_ns, stamped.record_ns, len(message.data), stamped)):
+            yield from self._record(ready)
+
+    def _order_poses(self, name: str, poses: Iterator[tuple[Posed, float | None]]) -> Iterator[Imu | Odometry | Scan]:
+        for pose, off_m in poses:
+            stamped: Stamped = pose.payload
+            if off_m is not None:
+                self._left_out.add("odometry", "its pose is alone, far from those before and after", pose.stamp_ns)
+                continue
+            for ready in self._order.add(name, Ordered(pose.stamp_ns, stamped.record_ns, 0, stamped)):
+                yield from self._record(ready)
+
+    def _pose(self, stamped: Stamped) -> Posed | None:
+        """The stamped pose with its record as payload; None when it is left out."""
+        try:
+            msg = stamped.payload.make()
+            if self._plan.odometry is not None and frame_name(msg.child_frame_id) != self._plan.odometry.child:
+                raise ValueError("its body is '%s', that of the others '%s'" % (
+                    frame_name(msg.child_frame_id), self._plan.odometry.child))
+            record = self._odometry(stamped.stamp_ns, msg)
+            T = voxnav.pose_from_quaternion(record.position, record.q_xyzw)  # refuses what is no pose
+        except ValueError as error:
+            self._left_out.add("odometry", str(error), stamped.stamp_ns)
+            return None
+        return Posed(stamped.stamp_ns, T, stamped._replace(payload=record))
+
+    def _odometry(self, stamp_ns: int, msg: Any) -> Odometry:
+        p, q = msg.pose.pose.position, msg.pose.pose.orientation
+        position = (p.x, p.y, p.z)
+        if self._plan.origin_m is not None:
+            x, y, z = (np.array(position) - self._plan.origin_m).tolist()
+            position = (x, y, z)
+        return Odometry(stamp_ns, position, (q.x, q.y, q.z, q.w))
+
+    def _record(self, stamped: Stamped) -> Iterator[Imu | Odometry | Scan]:
+        """The message as a record; one that cannot be used is left out."""
+        if isinstance(stamped.payload, Odometry):
+            yield stamped.payload
+            return
+        message: RawMessage = stamped.payload
+        what = self._what[message.topic]
+        try:
+            msg = message.make()
+            yield Scan(stamped.stamp_ns, None, msg, None) if what == "cloud" else self._imu(stamped.stamp_ns, msg)
+        except ValueError as error:
+            self._left_out.add(what, str(error), stamped.stamp_ns)
+
+    def _imu(self, stamp_ns: int, msg: Any) -> Imu:
+        w, a = msg.angular_velocity, msg.linear_acceleration
+        gyro, accel = np.array([w.x, w.y, w.z]), np.array([a.x, a.y, a.z])
+        if not np.all(np.isfinite([gyro, accel])):
+            raise ValueError("its values are not finite")
+        if self._R_B_I is None or np.array_equal(self._R_B_I, np.eye(3)):
+            return Imu(stamp_ns, gyro, accel)
+        return Imu(stamp_ns, self._R_B_I @ gyro, self._R_B_I @ accel)

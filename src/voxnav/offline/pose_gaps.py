@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gaps in recorded odometry, covered by LiDAR odometry.
+
+Poses far apart do not tell where the body was between them (``mapper/max_pose_gap_s``). While odometry is silent, LiDAR
+odometry runs from the last sweeps before on, fixed to the recorded pose of the last of them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any, Deque, NamedTuple
+
+import numpy as np
+
+import voxnav
+from voxnav.array_types import Array
+from voxnav.offline.datasets import Imu
+
+# What is kept of before a gap: enough sweeps to begin a map with, and all IMU samples and poses of that time.
+_NUM_SWEEPS = 5
+_KEPT_NS = 2_000_000_000
+
+
+class StampedPose(NamedTuple):
+    """T: (4, 4), frame O or that of a LiDAR odometry."""
+
+    stamp_ns: int
+    T: Array
+
+
+class _Gap:
+    """One run of LiDAR odometry. Its poses are given in O once a sweep before the gap ties it to the recorded ones."""
+
+    def __init__(self, config: Any, T_B_L: Array, last: StampedPose) -> None:
+        self.odometry = voxnav.LidarOdometry(config, T_B_L)
+        self.last = last  # before the gap
+        self.num_sweeps = 0  # whose poses it gave
+        self._T_O_V: Array | None = None  # V: origin of this LiDAR odometry
+        self._given_ns = last.stamp_ns
+
+    def add_imu(self, imu: Imu) -> None:
+        self.odometry.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
+
+    def add_sweep(self, sweep: Any, T_O_B: Array | None) -> StampedPose | None:
+        """T_O_B: recorded pose at the start of the sweep, where there is one. Returns the pose that was found there,
+        where there is none."""
+        result = self.odometry.add_cloud(1e-9 * sweep.start_ns, sweep.points, 1e-9 * sweep.time_offsets_ns)
+        if not result.is_new or result.quality.state == voxnav.OdometryState.COASTING:
+            return None  # a pose for which nothing speaks is none
+        if T_O_B is not None:
+            self._T_O_V = T_O_B @ np.linalg.inv(result.pose)
+            return None
+        if self._T_O_V is None or sweep.start_ns <= self._given_ns:
+            return None
+        self._given_ns = sweep.start_ns
+        self.num_sweeps += 1
+        return StampedPose(sweep.start_ns, self._T_O_V @ result.pose)
+
+
+class PoseGaps:
+    """Told all poses, IMU samples and sweeps of a recording; finds poses where odometry is silent.
+
+    notes: one sentence per gap. config: LidarOdometryConfig, or None: gaps are noted and not covered.
+    """
+
+    def __init__(self, config: Any, T_B_L: Array, max_gap_s: float) -> None:
+        self.notes: list[str] = []
+        self.lost_s = 0.0
+        self._config, self._T_B_L, self._max_gap_ns = config, T_B_L, int(1e9 * max_gap_s)
+        self._poses: Deque[StampedPose] = deque()
+        self._imu: Deque[Imu] = deque()
+        self._sweeps: Deque[Any] = deque(maxlen=_NUM_SWEEPS)
+        self._gap: _Gap | None = None
+
+    def add_pose(self, stamp_ns: int, T_O_B: Array) -> list[StampedPose]:
+        """A recorded pose. Returns those that are to be known before it, found by LiDAR odometry."""
+        found: list[StampedPose] = []
+        last = self._poses[-1] if self._poses else None
+        if last is not None and stamp_ns <= last.stamp_ns:
+            return found
+        if last is not None and stamp_ns - last.stamp_ns > self._max_gap_ns:
+            if self._gap is None:
+                found = self._begin(last)
+            self._note(last, stamp_ns)
+        self._gap = None
+        self._poses.append(StampedPose(stamp_ns, T_O_B))
+        _forget(self._poses, stamp_ns - _KEPT_NS)
+        return [pose for pose in found if pose.stamp_ns < stamp_ns]
+
+    def add_imu(self, imu: Imu) -> None:
+        self._imu.append(imu)
+        _forget(self._imu, imu.stamp_ns - _KEPT_NS)
+        if self._gap is not None:
+            self._gap.add_imu(imu)
+
+    def add_sweep(self, sweep: Any) -> list[StampedPose]:
+        """A sweep, after all poses of its time. Returns the poses that LiDAR odometry finds for it, if it is needed."""
+        self._sweeps.append(sweep)
+        if not self._poses:
+            return []
+        if self._gap is not None:
+            pose = self._gap.add_sweep(sweep, None)
+            return [] if pose is None else [pose]
+        last = self._poses[-1]
+        if sweep.start_ns + sweep.duration_ns - last.stamp_ns <= self._max_gap_ns:
+            return []
+        return self._begin(last)
+
+    def end(self) -> None:
+        """The recording ends: odometry that never came back is noted."""
+        if self._gap is not None and self._sweeps:
+            self._note(self._gap.last, self._sweeps[-1].start_ns, is_end=True)
+
+    def _begin(self, last: StampedPose) -> list[StampedPose]:
+        if self._config is None:
+            return []
+        self._gap = _Gap(self._config, self._T_B_L, last)
+        for imu in self._imu:
+            self._gap.add_imu(imu)
+        found = [self._gap.add_sweep(sweep, self._recorded(sweep.start_ns)) for sweep in self._sweeps]
+        return [pose for pose in found if pose is not None]
+
+    def _recorded(self, stamp_ns: int) -> Array | None:
+        """(4, 4) recorded pose at a stamp; None outside of the poses that are kept, and within gaps."""
+        for before, after in zip(self._poses, list(self._poses)[1:]):
+            if before.stamp_ns <= stamp_ns <= after.stamp_ns and after.stamp_ns - before.stamp_ns <= self._max_gap_ns:
+                ratio = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
+                T: Array = voxnav.interpolate_pose(before.T, after.T, ratio)
+                return T
+        return None
+
+    def _note(self, last: StampedPose, until_ns: int, is_end: bool = False) -> None:
+        length_s = 1e-9 * (until_ns - last.stamp_ns)
+        num_sweeps = 0 if self._gap is None else self._gap.num_sweeps
+        text = "odometry is silent for %.2f s from %.3f %s" % (
+            length_s, 1e-9 * last.stamp_ns, "to the end" if is_end else "on")
+        if num_sweeps:
+            text += ": covered by LiDAR odometry (%d scans)" % num_sweeps
+        else:
+            text += ", longer than max_pose_gap_s (%.2f s): scans of that time have no pose" % (1e-9 * self._max_gap_ns)
+        if len(self.notes) < 100:
+            self.notes.append(text)
+
+
+def _forget(kept: Any, before_ns: int) -> None:
+    while kept and kept[0].stamp_ns < before_ns:
+        kept.popleft()
