@@ -31,6 +31,7 @@ TESTS = {
     ". /opt/voxnav/setup.bash": ("scripts/dev/build_deb", "-DCMAKE_INSTALL_PREFIX=/opt/voxnav"),
     "rosservice call /uav1/planning_manager/goto": ("test/rostest/planning_manager_test.py", "planning_manager/goto"),
     "rosservice call /uav1/planning_manager/stop": ("test/rostest/planning_manager_test.py", "planning_manager/stop"),
+    "rosbag play --clock flight.bag": ("test/python/test_rosbag_play.py", '"rosbag", "play", "--clock"'),
     "pre-commit install": ("test/lint/test_hooks.py", ".pre-commit-config.yaml"),
     "cd build/ws/build/voxnav/test && ctest": ("scripts/dev/run_tests", "ctest"),
 }
