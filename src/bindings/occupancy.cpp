@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
+#include "octomap_shift.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 #include "voxnav/occupancy/octomap_export.hpp"
 
@@ -42,6 +43,17 @@ TimedStatistics insert(LocalMap& map, const py::array& points_L, const py::array
   static_cast<InsertStatistics&>(out) = map.insert(points, pose, directions);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return out;
+}
+
+LocalMap load_octomap(const std::string& path, const LocalMapConfig& config, const py::object& center) {
+  occupancy::OctomapCounts counts;
+  LocalMap map = occupancy::load_octomap(path, config, vec3_of(center, "center_W"), &counts);
+  const std::string of_all = " of " + std::to_string(counts.in_file) + " voxels of " + path;
+  if (counts.outside_window > 0) {
+    warn(std::to_string(counts.outside_window) + of_all + " lie outside the window and are left out");
+  }
+  if (counts.not_finite > 0) warn(std::to_string(counts.not_finite) + of_all + " have no finite log-odds");
+  return map;
 }
 
 py::array_t<std::int8_t> states(const LocalMap& map, const py::array& points_W) {
@@ -167,12 +179,11 @@ void bind_outputs(py::class_<LocalMap>& cls) {
       .def("save", &LocalMap::save, py::arg("path"))
       .def_static("load", &LocalMap::load, py::arg("path"))
       .def_static(
-          "load_octomap",
-          [](const std::string& path, const LocalMapConfig& config, const py::object& center) {
-            return occupancy::load_octomap(path, config, vec3_of(center, "center_W"));
-          },
-          py::arg("path"), py::arg("config") = LocalMapConfig{}, py::arg("center_W") = py::make_tuple(0.0, 0.0, 0.0),
-          "Reads a map from an OctoMap file (.ot, .bt) at the file's resolution, with its window around center_W.")
+          "load_octomap", &load_octomap, py::arg("path"), py::arg("config") = LocalMapConfig{},
+          py::arg("center_W") = py::make_tuple(0.0, 0.0, 0.0),
+          "Reads a map from an OctoMap file (.ot, .bt) at the file's resolution, with its window around center_W.\n\n"
+          "Warns (UserWarning) with the count of voxels that lie outside the window and are left out. Raises\n"
+          "RuntimeError for other files, ConfigError when the window does not fit.")
       .def(
           "changes_since",
           [](const LocalMap& m, std::uint64_t sequence) { return update_tuple(m.changes_since(sequence)); },
@@ -181,8 +192,13 @@ void bind_outputs(py::class_<LocalMap>& cls) {
           "int32) of the blocks that changed since the map had this sequence number; 0 gives all blocks.")
       .def_property_readonly("sequence", &LocalMap::sequence, "Rises with every call that may change the map.")
       .def(
-          "save_octomap", [](const LocalMap& m, const std::string& path) { occupancy::save_octomap(m, path); },
-          py::arg("path"), "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).");
+          "save_octomap",
+          [](const LocalMap& m, const std::string& path) { return said_shift(occupancy::save_octomap(m, path), path); },
+          py::arg("path"),
+          "Writes known voxels for OctoMap: .ot (log-odds) or .bt (binary).\n\n"
+          "Returns None, or, for a map beyond the 2^15 voxels from the origin that an OctoMap reaches, (x, y, z) [m] "
+          "to\n"
+          "add to coordinates in the file to get those of the map, with a UserWarning; load_octomap() knows of it.");
 }
 
 }  // namespace

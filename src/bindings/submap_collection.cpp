@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "octomap_shift.hpp"
 #include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
@@ -31,6 +33,17 @@ void add(SubmapCollection& collection, std::uint32_t id, std::shared_ptr<Submap>
   entry.end_ns = base::from_seconds(stamp);
   entry.submap = std::move(submap);
   collection.add(std::move(entry));
+}
+
+std::optional<geometry::Vec3> write_octomap(SubmapCollection* collection, const std::string& path) {
+  const py::gil_scoped_release release;
+  collection->update();
+  return submap::save_octomap(collection->evidence(), path);
+}
+
+std::optional<geometry::Vec3> export_into(SubmapCollection* collection, const std::string& directory) {
+  const py::gil_scoped_release release;
+  return submap::export_all(collection, directory);
 }
 
 py::dict poses(const SubmapCollection& collection) {
@@ -114,9 +127,9 @@ py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_
   std::vector<geometry::Vec3f> out;
   {
     py::gil_scoped_release release;
-    const containers::StateGrid grid = collection.obstacles(safety_distance_m);
+    const containers::VoxelStateGrid grid = collection.obstacles(safety_distance_m);
     for (const geometry::Index3& index : grid.sorted_block_indices()) {
-      const containers::StateBlock* block = grid.find_block(index);
+      const containers::VoxelStateBlock* block = grid.find_block(index);
       for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
         if (block->get(offset) != containers::VoxelState::kOccupied) continue;
         out.push_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());
@@ -211,12 +224,10 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
            "(vertices (k, 3) float32, triangles (t, 3) uint32, colors (k, 3) uint8) of the believed surface, frame W.")
       .def(
           "save_octomap",
-          [](SubmapCollection& c, const std::string& path) {
-            c.update();
-            submap::save_octomap(c.evidence(), path);
-          },
-          py::arg("path"), py::call_guard<py::gil_scoped_release>(),
-          "Writes the merged map for OctoMap: .ot (log-odds) or .bt (binary).")
+          [](SubmapCollection& c, const std::string& path) { return said_shift(write_octomap(&c, path), path); },
+          py::arg("path"),
+          "Writes the merged map for OctoMap: .ot (log-odds) or .bt (binary).\n\nReturns what LocalMap.save_octomap() "
+          "returns.")
       .def("save_clouds", &submap::save_clouds, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
            "Writes the surface points of each submap as submap_<id>.ply (frame S), and poses.txt with lines of\n"
            "id end_s x y z qx qy qz qw.")
@@ -273,9 +284,11 @@ void bind_submap_collection(py::module_& m) {
           "of what is intact, list of problems) instead.\n\n"
           "config: SubmapCollectionConfig to use instead of the saved settings.")
       .def(
-          "export", [](SubmapCollection& c, const std::string& dir) { submap::export_all(&c, dir); }, py::arg("dir"),
-          py::call_guard<py::gil_scoped_release>(),
-          "Writes mesh.ply, occupied.ply, map.ot, the clouds of the submaps and their poses.");
+          "export",
+          [](SubmapCollection& c, const std::string& dir) { return said_shift(export_into(&c, dir), dir + "/map.ot"); },
+          py::arg("dir"),
+          "Writes mesh.ply, occupied.ply, map.ot, the clouds of the submaps and their poses.\n\n"
+          "Returns what save_octomap() returns.");
   bind_queries(cls);
   bind_obstacles(m);
 }

@@ -169,7 +169,11 @@ void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
   }
   if (octomap_.getNumSubscribers() == 0 || !is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
   const auto timer = diagnostics().time("octomap");
-  octomap_.publish(octomap_of(mapper_->map(), config_.is_octomap_binary, header(stamp)));
+  try {
+    octomap_.publish(octomap_of(mapper_->map(), config_.is_octomap_binary, header(stamp)));
+  } catch (const std::length_error& error) {
+    warn(std::string("no OctoMap is published: ") + error.what());
+  }
 }
 
 void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handovers) {

@@ -129,8 +129,11 @@ bool SubmapIntegratorNodelet::on_merge(mrs_msgs::String::Request& request, mrs_m
 bool SubmapIntegratorNodelet::on_export(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
   return answer(&response, [&] {
     submap::SubmapCollection copy = copy_of_map();
-    submap::export_all(&copy, request.value);
-    return std::string("mesh.ply, occupied.ply, map.ot and clouds of the submaps are in ") + request.value;
+    const auto shift_m = submap::export_all(&copy, request.value);
+    std::ostringstream said;
+    said << "mesh.ply, occupied.ply, map.ot and clouds of the submaps are in " << request.value;
+    if (shift_m) said << "; add (" << shift_m->transpose() << ") m to coordinates in map.ot, which was shifted";
+    return said.str();
   });
 }
 

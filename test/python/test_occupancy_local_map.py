@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """LocalMap through its Python face."""
+import re
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,37 @@ def test_changes_and_octomap_import(tmp_path):
     assert (read.states(m.occupied_centers()) == 2).all() and (read.states(m.free_centers()) == 1).all()
     with pytest.raises(RuntimeError):
         voxnav.LocalMap.load_octomap(str(tmp_path / "none.bt"))
+
+
+def test_octomap_import_says_what_the_window_cuts_off(tmp_path):
+    m, _ = wall_map()
+    path = str(tmp_path / "map.ot")
+    assert m.save_octomap(path) is None
+    known = len(m.occupied_centers()) + len(m.free_centers())
+    small = voxnav.LocalMapConfig(window_size_m=(4, 4, 4))
+    with pytest.warns(UserWarning, match=r"outside the window") as said:
+        read = voxnav.LocalMap.load_octomap(path, small, (0.2, 10.0, 0.2))
+    lost = known - len(read.occupied_centers()) - len(read.free_centers())
+    assert 0 < lost < known
+    assert re.match(r"\d+ of \d+ voxels of ", str(said[0].message))
+    assert int(str(said[0].message).split()[0]) >= lost
+    with pytest.warns(UserWarning, match=r"outside the window"):
+        read = voxnav.LocalMap.load_octomap(path, small, (1e6, 0, 0))
+    assert len(read.occupied_centers()) == 0 and len(read.free_centers()) == 0
+
+
+@pytest.mark.parametrize("ending", [".ot", ".bt"])
+def test_octomap_of_a_map_far_from_the_origin_states_its_shift(tmp_path, ending):
+    m = voxnav.LocalMap(voxnav.LocalMapConfig(window_size_m=(40, 40, 20)))
+    center = (5.0e5, 5.5e6, 300.0)
+    for _ in range(4):
+        m.insert(np.array([[5, y, 0.1] for y in np.arange(-2, 2, 0.1)], np.float32), pose(*center))
+    path = str(tmp_path / "map") + ending
+    with pytest.warns(UserWarning, match="was shifted; add"):
+        shift = m.save_octomap(path)
+    assert np.abs(np.array(center) - shift).max() < 0.4 * 2 ** 15
+    read = voxnav.LocalMap.load_octomap(path, m.config, center)
+    before, after = m.changes_since(0), read.changes_since(0)
+    assert len(before[1]) > 0
+    np.testing.assert_array_equal(before[1], after[1])
+    np.testing.assert_array_equal(before[2], after[2])

@@ -278,3 +278,20 @@ def test_exports_hold_every_surface_point(tmp_path):
     assert (tmp_path / "map.bt").read_bytes().startswith(b"# Octomap OcTree binary file")
     with pytest.raises(ValueError, match="ends in"):
         c.save_octomap(str(tmp_path / "map.xyz"))
+
+
+def test_octomap_of_a_merged_map_far_from_the_origin_states_its_shift(tmp_path):
+    near, far = voxnav.SubmapCollection(), voxnav.SubmapCollection()
+    near.add(3, submap(), pose(0, 0, 0))
+    far.add(3, submap(), pose(500000.0, -40000.0, 0))  # whole voxels off
+    assert near.save_octomap(str(tmp_path / "near.ot")) is None
+    with pytest.warns(UserWarning, match="was shifted; add"):
+        shift = far.export(str(tmp_path))
+    config = voxnav.LocalMapConfig(resolution_m=VOXEL, window_size_m=(60, 60, 30))
+    read = [voxnav.LocalMap.load_octomap(str(tmp_path / name), config, center)
+            for name, center in (("near.ot", (0, 0, 0)), ("map.ot", (500000.0, -40000.0, 0)))]
+    assert len(shift) == 3 and shift[0] > 400000 and shift[1] < -30000 and shift[2] == 0
+    assert len(read[0].occupied_centers()) > 0
+    for centers in (voxnav.LocalMap.occupied_centers, voxnav.LocalMap.free_centers):
+        moved = centers(read[1]).astype(float) - (500000.0, -40000.0, 0)
+        np.testing.assert_allclose(np.sort(moved, axis=0), np.sort(centers(read[0]), axis=0), atol=0.1)

@@ -117,8 +117,11 @@ class SubmapCollection {
 
 /// Writes the known voxels of the merged map as a pruned OctoMap: `.ot` (log-odds) or `.bt` (occupied and free) by the
 /// ending of the path. Source of the format: Hornung et al., OctoMap, Autonomous Robots 2013, section 4.
-/// @throws std::invalid_argument for another ending, std::runtime_error if the file cannot be written
-void save_octomap(const EvidenceMap& evidence, const std::string& path);
+/// A map beyond the reach of an OctoMap is shifted as in occupancy::save_octomap().
+/// @return  what must be added to coordinates in the file to get those of the map; none where they are the same
+/// @throws std::invalid_argument for another ending, std::runtime_error if the file cannot be written,
+///         std::length_error for a map that is wider than an OctoMap
+std::optional<geometry::Vec3> save_octomap(const EvidenceMap& evidence, const std::string& path);
 
 /// Writes the surface points of each submap in its own frame as `submap_<id>.ply`, and their poses in `poses.txt`: one
 /// line `id end_stamp_s x y z qx qy qz qw` (T_W_S) for each submap, oldest first. The directory must exist.
@@ -126,7 +129,9 @@ void save_octomap(const EvidenceMap& evidence, const std::string& path);
 void save_clouds(const SubmapCollection& collection, const std::string& directory);
 
 /// Exports the map for other programs to a directory, which is created if needed: `mesh.ply`, `occupied.ply` (believed
-/// surface points), `map.ot`, and the files of save_clouds(). @throws std::runtime_error naming the file
-void export_all(SubmapCollection* collection, const std::string& directory);
+/// surface points), `map.ot`, and the files of save_clouds().
+/// @return  what save_octomap() returns
+/// @throws as save_octomap(), and std::runtime_error naming the file that cannot be written
+std::optional<geometry::Vec3> export_all(SubmapCollection* collection, const std::string& directory);
 
 }  // namespace voxnav::submap

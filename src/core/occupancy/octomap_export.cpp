@@ -3,99 +3,148 @@
 
 #include <octomap/octomap.h>
 
+#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <memory>
 #include <sstream>
 #include <stdexcept>
+
+#include "occupancy/octomap_file.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-octomap::OcTree octree_of(const LocalMap& map) {
-  octomap::OcTree tree(map.config().resolution_m);
+OctomapWriter octree_of(const LocalMap& map) {
+  VoxelBounds bounds;
+  map.for_known([&](const LocalMap::KnownVoxel& voxel) { bounds.add(voxel.index); });
+  OctomapWriter writer(map.config().resolution_m, bounds);
+  octomap::OcTree& tree = writer.tree();
   tree.setClampingThresMin(map.config().prob_clamp_min);
   tree.setClampingThresMax(map.config().prob_clamp_max);
   tree.setProbHit(map.config().prob_hit);
   tree.setProbMiss(map.config().prob_miss);
   tree.setOccupancyThres(map.config().occupied_threshold);
-  map.for_known([&](const LocalMap::KnownVoxel& voxel) {
-    const geometry::Vec3 center = geometry::center_of(voxel.index, map.config().resolution_m);
-    octomap::OcTreeKey key;
-    if (!tree.coordToKeyChecked(center.x(), center.y(), center.z(), key)) return;
-    tree.setNodeValue(key, static_cast<float>(voxel.log_odds), true);
-  });
-  tree.updateInnerOccupancy();
-  tree.prune();
-  return tree;
+  map.for_known([&](const LocalMap::KnownVoxel& voxel) { writer.set(voxel.index, voxel.log_odds); });
+  writer.finish();
+  return writer;
 }
 
-bool ends_with(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
+/// Voxels on their way into a map. They go there in portions, since one pruned leaf can stand for billions.
+class Assignment {
+ public:
+  explicit Assignment(LocalMap* map) : map_(map) {}
 
-std::unique_ptr<octomap::OcTree> read_octree(const std::string& path) {
-  auto tree = std::make_unique<octomap::OcTree>(0.1);
-  if (ends_with(path, ".bt")) return tree->readBinary(path) ? std::move(tree) : nullptr;
-  std::unique_ptr<octomap::AbstractOcTree> any(octomap::AbstractOcTree::read(path));
-  auto* octree = dynamic_cast<octomap::OcTree*>(any.get());
-  if (octree != nullptr) any.release();
-  return std::unique_ptr<octomap::OcTree>(octree);
-}
-
-/// Appends the voxels of one leaf of an OctoMap: a pruned leaf stands for all voxels of its cube.
-void append_leaf(const geometry::Vec3& center, double size, double resolution_m, double log_odds,
-                 std::vector<LocalMap::VoxelLogOdds>* out) {
-  const auto n = static_cast<int>(std::lround(size / resolution_m));
-  for (int i = 0; i < n * n * n; ++i) {
-    const geometry::Vec3 at(i % n, i / n % n, i / n / n);
-    out->push_back({center + (at.array() - 0.5 * (n - 1)).matrix() * resolution_m, log_odds});
+  void add(const geometry::Index3& voxel, double log_odds) {
+    voxels_.push_back({geometry::center_of(voxel, map_->config().resolution_m), log_odds});
+    if (voxels_.size() >= kPortion) flush();
   }
+  void flush() {
+    num_set_ += map_->assign(voxels_);
+    voxels_.clear();
+  }
+  std::uint64_t num_set() const { return num_set_; }
+
+ private:
+  static constexpr std::size_t kPortion = 1 << 16;
+  LocalMap* map_;
+  std::vector<LocalMap::VoxelLogOdds> voxels_;
+  std::uint64_t num_set_ = 0;
+};
+
+/// A leaf is a cube of voxels; only those within the bounds are visited.
+struct LeafCube {
+  std::int64_t low[3];
+  std::int64_t side;
+
+  std::uint64_t volume() const { return static_cast<std::uint64_t>(side) * side * side; }
+
+  void assign(const VoxelBounds& bounds, double log_odds, Assignment* out) const {
+    const std::int32_t min[3] = {bounds.low.x, bounds.low.y, bounds.low.z};
+    const std::int32_t max[3] = {bounds.high.x, bounds.high.y, bounds.high.z};
+    std::int64_t from[3], to[3];
+    for (int k = 0; k < 3; ++k) {
+      from[k] = std::max<std::int64_t>(low[k], min[k]);
+      to[k] = std::min<std::int64_t>(low[k] + side - 1, max[k]);
+    }
+    for (std::int64_t z = from[2]; z <= to[2]; ++z) {
+      for (std::int64_t y = from[1]; y <= to[1]; ++y) {
+        for (std::int64_t x = from[0]; x <= to[0]; ++x) {
+          out->add({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
+                   log_odds);
+        }
+      }
+    }
+  }
+};
+
+LeafCube cube_of(const octomap::OcTree::leaf_iterator& leaf, const geometry::Index3& shift) {
+  constexpr std::int64_t kOrigin = 1 << 15;  // key of the voxel with index 0
+  const octomap::OcTreeKey key = leaf.getIndexKey();
+  const unsigned depth = leaf.getDepth();
+  return {{key[0] - kOrigin + shift.x, key[1] - kOrigin + shift.y, key[2] - kOrigin + shift.z},
+          std::int64_t{1} << (16u - depth)};
+}
+
+/// A little more than the window: the map itself leaves out what is outside.
+VoxelBounds bounds_around(const LocalMap& map, const geometry::Vec3& center) {
+  const std::array<int, 3> n = map.config().window_blocks();
+  const geometry::Index3 middle = geometry::index_of(center, map.config().resolution_m);
+  const geometry::Index3 half{(n[0] / 2 + 1) * geometry::kBlockSide, (n[1] / 2 + 1) * geometry::kBlockSide,
+                              (n[2] / 2 + 1) * geometry::kBlockSide};
+  VoxelBounds bounds;
+  bounds.add(middle - half);
+  bounds.add(middle + half);
+  return bounds;
 }
 
 }  // namespace
 
-LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geometry::Vec3& center) {
-  const std::unique_ptr<octomap::OcTree> tree = read_octree(path);
-  if (!tree) throw std::runtime_error("cannot read an OcTree from " + path);
-  config.resolution_m = tree->getResolution();
+LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geometry::Vec3& center,
+                      OctomapCounts* counts) {
+  const OctomapFile file = read_octomap(path);
+  config.resolution_m = file.tree->getResolution();
   LocalMap map(config);
-  map.place_window(center);
-  const std::array<int, 3> n = config.window_blocks();
-  const geometry::Vec3 half =
-      0.5 * geometry::kBlockSide * config.resolution_m * geometry::Vec3(n[0] + 1, n[1] + 1, n[2] + 1);
-  const auto corner = [&](double sign) {
-    const geometry::Vec3 p = center + sign * half;
-    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
-  };
-  std::vector<LocalMap::VoxelLogOdds> voxels;
-  for (auto leaf = tree->begin_leafs_bbx(corner(-1.0), corner(1.0)); leaf != tree->end_leafs_bbx(); ++leaf) {
-    append_leaf({leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize(), config.resolution_m, leaf->getLogOdds(),
-                &voxels);
+  constexpr double kReach = 1 << 30;  // voxels, half of what an index holds
+  if (!center.allFinite() || center.cwiseAbs().maxCoeff() > kReach * config.resolution_m) {
+    throw std::invalid_argument("the centre of the window is not finite or too far from the origin");
   }
-  map.assign(voxels);
+  map.place_window(center);
+  const VoxelBounds bounds = bounds_around(map, center);
+  OctomapCounts found;
+  Assignment assignment(&map);
+  for (auto leaf = file.tree->begin_leafs(); leaf != file.tree->end_leafs(); ++leaf) {
+    const LeafCube cube = cube_of(leaf, file.shift);
+    found.in_file += cube.volume();
+    if (std::isfinite(leaf->getLogOdds())) {
+      cube.assign(bounds, leaf->getLogOdds(), &assignment);
+    } else {
+      found.not_finite += cube.volume();
+    }
+  }
+  assignment.flush();
+  found.outside_window = found.in_file - found.not_finite - assignment.num_set();
+  if (counts != nullptr) *counts = found;
   return map;
 }
 
-void save_octomap(const LocalMap& map, const std::string& path) {
-  const bool binary = ends_with(path, ".bt");
-  if (!binary && !ends_with(path, ".ot")) throw std::invalid_argument("an OctoMap file ends in .ot or .bt: " + path);
-  std::ofstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot write " + path);
-  octomap::OcTree tree = octree_of(map);
-  const bool written = binary ? tree.writeBinary(file) : tree.write(file);
-  file.close();
-  if (!written || !file) throw std::runtime_error("cannot write " + path);
+std::optional<geometry::Vec3> save_octomap(const LocalMap& map, const std::string& path) {
+  OctomapWriter writer = octree_of(map);
+  writer.write(path);
+  return writer.shift_m();
 }
 
 std::vector<std::int8_t> octomap_message_data(const LocalMap& map, bool binary) {
-  octomap::OcTree tree = octree_of(map);
+  OctomapWriter writer = octree_of(map);
+  if (writer.shift_m()) {
+    throw std::length_error(
+        "the map lies farther than 2^15 voxels from the origin of its frame, beyond the reach of an "
+        "OctoMap message; use an odometry frame with its origin nearby");
+  }
   std::stringstream stream;
   if (binary) {
-    tree.toMaxLikelihood();
-    tree.writeBinaryData(stream);
+    writer.tree().toMaxLikelihood();
+    writer.tree().writeBinaryData(stream);
   } else {
-    tree.writeData(stream);
+    writer.tree().writeData(stream);
   }
   const std::string bytes = stream.str();
   return std::vector<std::int8_t>(bytes.begin(), bytes.end());

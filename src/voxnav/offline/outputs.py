@@ -36,7 +36,9 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
     if write_mesh:
         with mapper.stages.time("mesh"):
             mapper.collection.save_mesh(os.path.join(directory, "mesh.ply"))
-    mapper.map.save_octomap(os.path.join(directory, "map.ot"))
+    shift = mapper.map.save_octomap(os.path.join(directory, "map.ot"))
+    if shift is not None:
+        mapper.warnings.append("map.ot: add %s m to its coordinates to get those of the map" % (shift,))
     with mapper.stages.time("save"):
         mapper.collection.save(os.path.join(directory, "map"))
     counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <octomap/octomap.h>
-
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
 
+#include "occupancy/octomap_file.hpp"
 #include "submap/files/map_files.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -14,14 +13,14 @@ namespace {
 
 constexpr float kLogOdds = 2.0f;  // a little within the clamping bounds of OctoMap
 
-void add_block(const geometry::Index3& index, const ColumnBlock& states, double resolution_m, octomap::OcTree* tree) {
-  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const containers::VoxelState state = states.get(offset);
-    if (state == containers::VoxelState::kUnknown) continue;
-    const geometry::Vec3 center = geometry::center_of(geometry::voxel_at(index, offset), resolution_m);
-    octomap::OcTreeKey key;
-    if (!tree->coordToKeyChecked(center.x(), center.y(), center.z(), key)) continue;
-    tree->setNodeValue(key, state == containers::VoxelState::kOccupied ? kLogOdds : -kLogOdds, true);
+/// Calls f(voxel, state) for each known voxel.
+template <class F>
+void for_known(const EvidenceMap& evidence, const F& f) {
+  for (const auto& [index, block] : evidence.blocks()) {
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const containers::VoxelState state = block.states.get(offset);
+      if (state != containers::VoxelState::kUnknown) f(geometry::voxel_at(index, offset), state);
+    }
   }
 }
 
@@ -42,16 +41,16 @@ std::string pose_line(const SubmapEntry& entry) {
 
 }  // namespace
 
-void save_octomap(const EvidenceMap& evidence, const std::string& path) {
-  const std::string ending = path.size() < 3 ? "" : path.substr(path.size() - 3);
-  if (ending != ".bt" && ending != ".ot") throw std::invalid_argument("an OctoMap file ends in .ot or .bt: " + path);
-  octomap::OcTree tree(evidence.resolution_m());
-  for (const auto& item : evidence.blocks()) add_block(item.first, item.second.states, evidence.resolution_m(), &tree);
-  tree.updateInnerOccupancy();
-  tree.prune();
-  std::ofstream file(path, std::ios::binary);
-  const bool is_written = file && (ending == ".bt" ? tree.writeBinary(file) : tree.write(file));
-  if (!is_written || !file.flush()) throw std::runtime_error(path + ": cannot be written");
+std::optional<geometry::Vec3> save_octomap(const EvidenceMap& evidence, const std::string& path) {
+  occupancy::VoxelBounds bounds;
+  for_known(evidence, [&](const geometry::Index3& voxel, containers::VoxelState) { bounds.add(voxel); });
+  occupancy::OctomapWriter writer(evidence.resolution_m(), bounds);
+  for_known(evidence, [&](const geometry::Index3& voxel, containers::VoxelState state) {
+    writer.set(voxel, state == containers::VoxelState::kOccupied ? kLogOdds : -kLogOdds);
+  });
+  writer.finish();
+  writer.write(path);
+  return writer.shift_m();
 }
 
 void save_clouds(const SubmapCollection& collection, const std::string& directory) {
@@ -67,14 +66,14 @@ void save_clouds(const SubmapCollection& collection, const std::string& director
   write_file(directory + "/poses.txt", poses);
 }
 
-void export_all(SubmapCollection* collection, const std::string& directory) {
+std::optional<geometry::Vec3> export_all(SubmapCollection* collection, const std::string& directory) {
   make_directory(directory);
   write_file(directory + "/mesh.ply", to_ply(extract_mesh(collection)));
   Mesh points;
   points.vertices = collection->occupied_points();
   write_file(directory + "/occupied.ply", to_ply(points));
-  save_octomap(collection->evidence(), directory + "/map.ot");
   save_clouds(*collection, directory);
+  return save_octomap(collection->evidence(), directory + "/map.ot");
 }
 
 }  // namespace voxnav::submap
