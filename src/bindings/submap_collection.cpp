@@ -127,9 +127,9 @@ py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_
   std::vector<geometry::Vec3f> out;
   {
     py::gil_scoped_release release;
-    const containers::VoxelStateGrid grid = collection.obstacles(safety_distance_m);
+    const containers::StateGrid grid = collection.obstacles(safety_distance_m);
     for (const geometry::Index3& index : grid.sorted_block_indices()) {
-      const containers::VoxelStateBlock* block = grid.find_block(index);
+      const containers::StateBlock* block = grid.find_block(index);
       for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
         if (block->get(offset) != containers::VoxelState::kOccupied) continue;
         out.push_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());

@@ -10,7 +10,7 @@ from voxnav.offline.datasets import Imu, Odometry, Scan
 from voxnav.recordings.bag_files import BagFiles
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.left_out import LeftOut
-from voxnav.recordings.plan import BagOptions, Plan
+from voxnav.recordings.plan import BagOptions, RecordingPlan
 
 
 class Bag:
@@ -23,7 +23,7 @@ class Bag:
     def __init__(self, paths: Sequence[str], options: BagOptions = BagOptions()) -> None:
         self.left_out = LeftOut()
         self._files = BagFiles(paths)
-        self.plan = Plan(self._files, options)
+        self.plan = RecordingPlan(self._files, options)
         if self.plan.error is not None or self.plan.cloud is None or self.plan.mount is None:
             self._files.close()
             raise DatasetError(self.plan.error or "the recording has no clouds")

@@ -14,14 +14,14 @@ from voxnav.recordings.clocks import Stamped, TopicClock
 from voxnav.recordings.left_out import LeftOut
 from voxnav.recordings.lone_poses import LonePoses, Posed
 from voxnav.recordings.order import Ordered, TopicOrder
-from voxnav.recordings.plan import Plan
+from voxnav.recordings.plan import RecordingPlan
 from voxnav.recordings.survey import TopicSurvey
 
 
 class BagStream:
     """plan: without error. left_out: takes what is not used, with its reason."""
 
-    def __init__(self, plan: Plan, files: BagFiles, left_out: LeftOut) -> None:
+    def __init__(self, plan: RecordingPlan, files: BagFiles, left_out: LeftOut) -> None:
         assert plan.cloud is not None and plan.mount is not None
         self._plan, self._files, self._left_out = plan, files, left_out
         self._R_B_I, self._sweep_ns = plan.mount.R_B_I, int(1e9 * plan.sweep_s)
@@ -68,20 +68,20 @@ class BagStream:
     def _end(self, name: str) -> Iterator[Imu | Odometry | Scan]:
         for stamped in self._clocks[name].end():
             yield from self._put_in_order(stamped)
-        if self._what[name] == "odometry":
+        if self._topics[name] is self._plan.odometry:
             yield from self._order_poses(name, self._lone_poses.end())
         for ready in self._order.end(name):
             yield from self._record(ready)
 
     def _put_in_order(self, stamped: Stamped) -> Iterator[Imu | Odometry | Scan]:
         message: RawMessage = stamped.payload
-        what = self._what[message.topic]
-        if what == "odometry":
+        topic = self._topics[message.topic]
+        if topic is self._plan.odometry:
             pose = self._pose(stamped)
             if pose is not None:
                 yield from self._order_poses(message.topic, self._lone_poses.add(pose))
             return
-        due_ns = stamped.stamp_ns + (self._sweep_ns if what == "cloud" else 0)
+        due_ns = stamped.stamp_ns + (self._sweep_ns if topic is self._plan.cloud else 0)
         for ready in self._order.add(message.topic, Ordered(due_ns, stamped.record_ns, len(message.data), stamped)):
             yield from self._record(ready)
 
@@ -125,7 +125,8 @@ class BagStream:
         what = self._what[message.topic]
         try:
             msg = message.make()
-            yield Scan(stamped.stamp_ns, None, msg, None) if what == "cloud" else self._imu(stamped.stamp_ns, msg)
+            is_cloud = self._topics[message.topic] is self._plan.cloud
+            yield Scan(stamped.stamp_ns, None, msg, None) if is_cloud else self._imu(stamped.stamp_ns, msg)
         except ValueError as error:
             self._left_out.add(what, str(error), stamped.stamp_ns)
 

@@ -12,7 +12,7 @@ from voxnav.offline.configs import given_mount, load_files, options_of
 from voxnav.recordings.bag_files import BagFiles
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.page import page
-from voxnav.recordings.plan import Plan
+from voxnav.recordings.plan import RecordingPlan
 from voxnav.recordings.problems import problems_of
 
 
@@ -32,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         configs = load_files(args.config)
         files = BagFiles(args.bag)
         try:
-            plan = Plan(files, options_of(configs, given_mount(args.mount, configs["run"])))
+            plan = RecordingPlan(files, options_of(configs, given_mount(args.mount, configs["run"])))
             print("\n".join(page(plan, args.bag)))
         finally:
             files.close()

@@ -21,7 +21,7 @@ _NUM_SWEEPS = 5
 _KEPT_NS = 2_000_000_000
 
 
-class StampedPose(NamedTuple):
+class TrackedPose(NamedTuple):
     """T: (4, 4), frame O or that of a LiDAR odometry."""
 
     stamp_ns: int
@@ -31,7 +31,7 @@ class StampedPose(NamedTuple):
 class _Gap:
     """One run of LiDAR odometry. Its poses are given in O once a sweep before the gap ties it to the recorded ones."""
 
-    def __init__(self, config: Any, T_B_L: Array, last: StampedPose) -> None:
+    def __init__(self, config: Any, T_B_L: Array, last: TrackedPose) -> None:
         self.odometry = voxnav.LidarOdometry(config, T_B_L)
         self.last = last  # before the gap
         self.num_sweeps = 0  # whose poses it gave
@@ -41,7 +41,7 @@ class _Gap:
     def add_imu(self, imu: Imu) -> None:
         self.odometry.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
 
-    def add_sweep(self, sweep: Any, T_O_B: Array | None) -> StampedPose | None:
+    def add_sweep(self, sweep: Any, T_O_B: Array | None) -> TrackedPose | None:
         """T_O_B: recorded pose at the start of the sweep, where there is one. Returns the pose that was found there,
         where there is none."""
         result = self.odometry.add_cloud(1e-9 * sweep.start_ns, sweep.points, 1e-9 * sweep.time_offsets_ns)
@@ -54,7 +54,7 @@ class _Gap:
             return None
         self._given_ns = sweep.start_ns
         self.num_sweeps += 1
-        return StampedPose(sweep.start_ns, self._T_O_V @ result.pose)
+        return TrackedPose(sweep.start_ns, self._T_O_V @ result.pose)
 
 
 class PoseGaps:
@@ -67,14 +67,14 @@ class PoseGaps:
         self.notes: list[str] = []
         self.lost_s = 0.0
         self._config, self._T_B_L, self._max_gap_ns = config, T_B_L, int(1e9 * max_gap_s)
-        self._poses: Deque[StampedPose] = deque()
+        self._poses: Deque[TrackedPose] = deque()
         self._imu: Deque[Imu] = deque()
         self._sweeps: Deque[Any] = deque(maxlen=_NUM_SWEEPS)
         self._gap: _Gap | None = None
 
-    def add_pose(self, stamp_ns: int, T_O_B: Array) -> list[StampedPose]:
+    def add_pose(self, stamp_ns: int, T_O_B: Array) -> list[TrackedPose]:
         """A recorded pose. Returns those that are to be known before it, found by LiDAR odometry."""
-        found: list[StampedPose] = []
+        found: list[TrackedPose] = []
         last = self._poses[-1] if self._poses else None
         if last is not None and stamp_ns <= last.stamp_ns:
             return found
@@ -83,7 +83,7 @@ class PoseGaps:
                 found = self._begin(last)
             self._note(last, stamp_ns)
         self._gap = None
-        self._poses.append(StampedPose(stamp_ns, T_O_B))
+        self._poses.append(TrackedPose(stamp_ns, T_O_B))
         _forget(self._poses, stamp_ns - _KEPT_NS)
         return [pose for pose in found if pose.stamp_ns < stamp_ns]
 
@@ -93,7 +93,7 @@ class PoseGaps:
         if self._gap is not None:
             self._gap.add_imu(imu)
 
-    def add_sweep(self, sweep: Any) -> list[StampedPose]:
+    def add_sweep(self, sweep: Any) -> list[TrackedPose]:
         """A sweep, after all poses of its time. Returns the poses that LiDAR odometry finds for it, if it is needed."""
         self._sweeps.append(sweep)
         if not self._poses:
@@ -111,7 +111,7 @@ class PoseGaps:
         if self._gap is not None and self._sweeps:
             self._note(self._gap.last, self._sweeps[-1].start_ns, is_end=True)
 
-    def _begin(self, last: StampedPose) -> list[StampedPose]:
+    def _begin(self, last: TrackedPose) -> list[TrackedPose]:
         if self._config is None:
             return []
         self._gap = _Gap(self._config, self._T_B_L, last)
@@ -129,7 +129,7 @@ class PoseGaps:
                 return T
         return None
 
-    def _note(self, last: StampedPose, until_ns: int, is_end: bool = False) -> None:
+    def _note(self, last: TrackedPose, until_ns: int, is_end: bool = False) -> None:
         length_s = 1e-9 * (until_ns - last.stamp_ns)
         num_sweeps = 0 if self._gap is None else self._gap.num_sweeps
         text = "odometry is silent for %.2f s from %.3f %s" % (

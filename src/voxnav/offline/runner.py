@@ -13,7 +13,7 @@ import voxnav
 from voxnav.array_types import Array
 from voxnav.offline.coverage import Coverage
 from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry, Scan
-from voxnav.offline.pose_gaps import PoseGaps, StampedPose
+from voxnav.offline.pose_gaps import PoseGaps, TrackedPose
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
 from voxnav.recordings.cloud_samples import layout_of
 from voxnav.recordings.left_out import LeftOut
@@ -104,7 +104,7 @@ class OfflineMapper:
         elif isinstance(record, Odometry):
             T_O_B = voxnav.pose_from_quaternion(record.position, record.q_xyzw)
             self._add_poses(self.gaps.add_pose(record.stamp_ns, T_O_B))
-            self._add_poses([StampedPose(record.stamp_ns, T_O_B)])
+            self._add_poses([TrackedPose(record.stamp_ns, T_O_B)])
         else:
             self._add_scan(record)
         self._map_ready()
@@ -128,7 +128,7 @@ class OfflineMapper:
             self.mapper.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
             self.gaps.add_imu(imu)
 
-    def _add_poses(self, poses: list[StampedPose]) -> None:
+    def _add_poses(self, poses: list[TrackedPose]) -> None:
         for pose in poses:
             if not self.mapper.add_pose(pose.stamp_ns, pose.T):
                 self.left_out.add("odometry", "its stamp is not newer than the one before", pose.stamp_ns)

@@ -9,7 +9,7 @@ from typing import Sequence
 import numpy as np
 
 from voxnav.array_types import Array
-from voxnav.recordings.plan import Plan
+from voxnav.recordings.plan import RecordingPlan
 from voxnav.recordings.problems import force_size, imu_unit, problems_of, used_topics
 from voxnav.recordings.survey import TopicSurvey
 
@@ -17,7 +17,7 @@ from voxnav.recordings.survey import TopicSurvey
 _BASE_MB, _INDEX_BYTES = 150.0, 700.0
 
 
-def page(plan: Plan, paths: Sequence[str], title: str = "recording") -> list[str]:
+def page(plan: RecordingPlan, paths: Sequence[str], title: str = "recording") -> list[str]:
     """Lines for people."""
     lines = _row(title, _files(plan, paths))
     for what, topic in used_topics(plan):
@@ -43,7 +43,7 @@ def _row(name: str, text: str) -> list[str]:
     return ["%-12s %s" % (name, text)] if text else []
 
 
-def _files(plan: Plan, paths: Sequence[str]) -> str:
+def _files(plan: RecordingPlan, paths: Sequence[str]) -> str:
     topics = plan.survey.topics.values()
     text = "%s, %.1f MB" % (", ".join(os.path.basename(path) for path in paths), 1e-6 * plan.survey.files.size_bytes)
     if topics:
@@ -52,15 +52,15 @@ def _files(plan: Plan, paths: Sequence[str]) -> str:
     return text + ("" if plan.survey.is_whole else "; looked at in windows")
 
 
-def _topic_words(plan: Plan, what: str, topic: TopicSurvey) -> str:
+def _topic_words(plan: RecordingPlan, what: str, topic: TopicSurvey) -> str:
     name = {"cloud": "clouds"}.get(what, what)
     frame = "'%s'" % topic.frame if topic.frame else "no frame"
-    if what == "odometry":
+    if topic is plan.odometry:
         frame = "%s to '%s'" % (frame, topic.child)
     return "%s; %d messages, %s" % (plan.why[name], topic.topic.num, frame)
 
 
-def _mount_words(plan: Plan) -> str:
+def _mount_words(plan: RecordingPlan) -> str:
     if plan.mount is None:
         return "unknown"
     x, y, z = plan.mount.T_B_L[:3, 3]
@@ -76,7 +76,7 @@ def _rpy_of(T: Array) -> tuple[float, float, float]:
             float(np.arctan2(R[1, 0], R[0, 0])))
 
 
-def _time_words(plan: Plan) -> str:
+def _time_words(plan: RecordingPlan) -> str:
     clouds = plan.cloud.clouds if plan.cloud is not None else []
     field = next((sample.time_field for sample in clouds if sample.time_field), None)
     return "field '%s' (%s)" % (field, clouds[-1].fields.get(field, "")) if field else "none"
@@ -91,7 +91,7 @@ def _gravity_words(imu: TopicSurvey) -> str:
         force_size(imu), imu_unit(imu) or "an unknown unit", up[0], up[1], up[2], imu.frame)
 
 
-def _unused(plan: Plan) -> str:
+def _unused(plan: RecordingPlan) -> str:
     used = {topic.name for _, topic in used_topics(plan)}
     others = [topic for name, topic in sorted(plan.survey.all_topics.items())
               if name not in used and not name.lstrip("/").startswith("tf")]
@@ -99,7 +99,7 @@ def _unused(plan: Plan) -> str:
     return ", ".join(words) + (" and %d topics more" % (len(others) - 12) if len(others) > 12 else "")
 
 
-def _memory_words(plan: Plan) -> str:
+def _memory_words(plan: RecordingPlan) -> str:
     """A rough figure: what is kept of messages, and what this program needs anyway."""
     if plan.cloud is None:
         return ""

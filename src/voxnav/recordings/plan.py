@@ -35,7 +35,7 @@ class BagOptions(NamedTuple):
     max_pose_gap_s: float = 0.3
 
 
-class Plan:
+class RecordingPlan:
     """error: why nothing can be mapped, None when something can; warnings: what is taken for granted or left alone.
 
     Attributes that an error leaves unknown are None.

@@ -9,7 +9,7 @@ import numpy as np
 
 from voxnav.recordings.clocks import TopicClock
 from voxnav.recordings.left_out import LeftOut
-from voxnav.recordings.plan import Plan, clock_distance_s
+from voxnav.recordings.plan import RecordingPlan, clock_distance_s
 from voxnav.recordings.survey import TopicSurvey
 
 # Slower topics give too few messages in a window to judge their stamps by.
@@ -24,13 +24,13 @@ class Problem(NamedTuple):
     to_do: str = ""
 
 
-def used_topics(plan: Plan) -> list[tuple[str, TopicSurvey]]:
+def used_topics(plan: RecordingPlan) -> list[tuple[str, TopicSurvey]]:
     """What is used, with what its messages are called."""
     used = (("cloud", plan.cloud), ("odometry", plan.odometry), ("IMU", plan.imu))
     return [(what, topic) for what, topic in used if topic is not None]
 
 
-def problems_of(plan: Plan) -> list[Problem]:
+def problems_of(plan: RecordingPlan) -> list[Problem]:
     """All of them, the one that stops everything first."""
     out = [Problem(plan.error)] if plan.error else []
     out += [Problem(warning) for warning in plan.warnings]
@@ -41,7 +41,7 @@ def problems_of(plan: Plan) -> list[Problem]:
     return out
 
 
-def _clock_problems(plan: Plan, what: str, topic: TopicSurvey) -> list[Problem]:
+def _clock_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Problem]:
     """As the clock of the topic finds them when the recording is mapped."""
     if not plan.survey.is_whole and (topic.period_s or 0.0) > _SLOW_PERIOD_S:
         return []
@@ -61,8 +61,8 @@ def _clock_problems(plan: Plan, what: str, topic: TopicSurvey) -> list[Problem]:
     return found
 
 
-def _gap_problems(plan: Plan, what: str, topic: TopicSurvey) -> list[Problem]:
-    limit_s = plan.options.max_pose_gap_s if what == "odometry" else 1.0
+def _gap_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Problem]:
+    limit_s = plan.options.max_pose_gap_s if topic is plan.odometry else 1.0
     to_do = {"cloud": "nothing is mapped there; check cable, network and disk of the recorder",
              "odometry": "LiDAR odometry covers it where run/pose_source is auto",
              "IMU": "LiDAR odometry goes on without it there"}[what]
@@ -87,7 +87,7 @@ def _cloud_problems(cloud: TopicSurvey) -> list[Problem]:
     return out
 
 
-def _imu_problems(plan: Plan, cloud: TopicSurvey) -> list[Problem]:
+def _imu_problems(plan: RecordingPlan, cloud: TopicSurvey) -> list[Problem]:
     if plan.odometry is not None:
         return []
     if plan.imu is None:
