@@ -20,7 +20,7 @@ from voxnav.demo import processes  # noqa: E402
 from voxnav.offline.configs import mount_of  # noqa: E402
 from voxnav.recordings.bag_files import BagFiles  # noqa: E402
 from voxnav.recordings.errors import DatasetError  # noqa: E402
-from voxnav.recordings.plan import BagOptions, Plan  # noqa: E402
+from voxnav.recordings.plan import BagOptions, RecordingPlan  # noqa: E402
 
 NUM_SCANS, FIRST_S, LIMIT_S = 20, 500.0, 120.0
 MOUNT = mount_of((0.3, -0.2, 0.4), (0.1, 0.3, 1.2))
@@ -106,7 +106,7 @@ def test_a_played_recording_is_mapped_where_the_world_is(tmp_path):
 
 def plan_of(tmp_path, messages, **options):
     files = BagFiles([write_messages(str(tmp_path / "flight.bag"), messages)])
-    plan = Plan(files, BagOptions(**options))
+    plan = RecordingPlan(files, BagOptions(**options))
     files.close()
     return plan
 

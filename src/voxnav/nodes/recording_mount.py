@@ -11,7 +11,7 @@ import voxnav
 from voxnav.nodes.poses import transform_to_msg
 from voxnav.recordings.bag_files import BagFiles, frame_name
 from voxnav.recordings.errors import DatasetError
-from voxnav.recordings.plan import BagOptions, Plan
+from voxnav.recordings.plan import BagOptions, RecordingPlan
 
 
 def missing_link(plan, body_frame):
@@ -40,7 +40,7 @@ def main():
     try:
         files = BagFiles(str(rospy.get_param("~bags")).split())
         try:
-            link = missing_link(Plan(files, BagOptions(pose_source=source)),
+            link = missing_link(RecordingPlan(files, BagOptions(pose_source=source)),
                                 frame_name(rospy.get_param("~body_frame")))
         finally:
             files.close()

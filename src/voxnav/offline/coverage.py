@@ -5,6 +5,8 @@ from __future__ import annotations
 
 # A recording counts as covered when so many of its scans are in the map and no longer stretch is missing.
 MIN_SHARE = 0.9
+# A scan at the beginning and one at the end may lie outside of the poses, however short the recording is.
+NUM_EDGE_SCANS = 2
 MAX_HOLE_S = 1.0
 
 
@@ -50,13 +52,15 @@ class Coverage:
 
     @property
     def is_enough(self) -> bool:
-        return self.share >= MIN_SHARE and self.longest_hole_s <= MAX_HOLE_S
+        num_missing = self.num_scans - self.num_used
+        is_few = self.share >= MIN_SHARE or (num_missing <= NUM_EDGE_SCANS and self.num_used > num_missing)
+        return is_few and self.longest_hole_s <= MAX_HOLE_S
 
     def sentence(self) -> str:
         text = "%d of %d scans were mapped (%.1f %%)" % (self.num_used, self.num_scans, 100.0 * self.share)
         if self.longest_hole_s > 0.0:
             text += ", with at most %.2f s without any" % self.longest_hole_s
         if not self.is_enough:
-            text += ": this does not cover the recording (%.0f %% and no more than %.1f s without would)" % (
-                100.0 * MIN_SHARE, MAX_HOLE_S)
+            text += ": this does not cover the recording (%.0f %% or all but %d, and no more than %.1f s without" % (
+                100.0 * MIN_SHARE, NUM_EDGE_SCANS, MAX_HOLE_S) + " any, would)"
         return text

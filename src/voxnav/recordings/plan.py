@@ -23,8 +23,8 @@ _OTHER_CLOCK_NS = 2_000_000_000
 
 class BagOptions(NamedTuple):
     """Topics left empty are chosen by what they are like. T_B_L: (4, 4) mount of the LiDAR on the body; None means the
-    one that the recording's transforms tell. max_pose_gap_s: poses farther apart do not tell where the body was between.
-    """
+    one that the recording's transforms tell. max_pose_gap_s: poses farther apart do not tell where the body was
+    between them."""
 
     cloud_topic: str = ""
     odometry_topic: str = ""
