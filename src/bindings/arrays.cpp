@@ -53,6 +53,7 @@ py::array_t<double> pose_array(const geometry::Pose& pose) {
 
 py::array_t<double> stamps_array(const std::vector<geometry::StampedPose>& poses) {
   std::vector<double> out;
+  out.reserve(poses.size());
   for (const geometry::StampedPose& pose : poses) out.push_back(base::to_seconds(pose.stamp_ns));
   return array_from(std::move(out), 0);
 }

@@ -51,7 +51,7 @@ std::string read(const Value& value, std::vector<std::string>* field);
 template <std::size_t N>
 std::string read(const Value& value, std::array<double, N>* field) {
   std::vector<double> list;
-  const std::string problem = read(value, &list);
+  std::string problem = read(value, &list);
   if (!problem.empty()) return problem;
   if (list.size() != N) return "needs " + std::to_string(N) + " numbers, has " + std::to_string(list.size());
   for (std::size_t i = 0; i < N; ++i) (*field)[i] = list[i];
@@ -62,7 +62,7 @@ std::string choice_problem(const std::vector<std::string>& choices);
 template <class E, class = std::enable_if_t<HasWords<E>::value>>
 std::string read(const Value& value, E* field) {
   std::string word;
-  const std::string problem = read(value, &word);
+  std::string problem = read(value, &word);
   if (!problem.empty()) return problem;
   const std::optional<E> known = value_of_word<E>(word);
   if (!known) return choice_problem(all_words<E>());

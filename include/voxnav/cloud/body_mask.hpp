@@ -15,7 +15,7 @@ class BodyMask {
   static constexpr int kRows = 90, kColumns = 180;
 
   /// Makes a mask without any part.
-  BodyMask() : reach_m_(kRows * kColumns, 0.0F) {}
+  BodyMask() : reach_m_(std::size_t{kRows} * kColumns, 0.0F) {}
   bool covers(float x, float y, float z) const {
     const float reach = reach_m_[bin_of(x, y, z)];
     return x * x + y * y + z * z <= reach * reach;
