@@ -321,6 +321,18 @@ def test_the_page_of_a_bad_recording_names_each_problem_and_what_to_do(scans, tm
         assert words in page
 
 
+def test_the_page_tells_gaps_of_odometry_and_transforms_that_are_none(scans, tmp_path, capsys):
+    messages = [message for message in good(scans)
+                if message[1] != "/odom" or not FIRST_S + 0.4 < message[0] < FIRST_S + 0.9]
+    broken = link("body", "camera", np.eye(4))
+    broken.transforms[0].transform.rotation.w = 0.0
+    messages.append([FIRST_S, "/tf_static", broken])
+    assert check_recording([write_messages(str(tmp_path / "gap.bag"), messages)]) == 3
+    page = capsys.readouterr().out
+    assert "/odom is silent once longer than 0.3 s, for 0.5 s" in page and "LiDAR odometry covers it" in page
+    assert "body to camera is not one" in page
+
+
 def test_odometry_on_another_clock_or_too_slow_is_not_used(scans, tmp_path):
     import rospy
 

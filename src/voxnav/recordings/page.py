@@ -64,7 +64,7 @@ def _mount_words(plan: RecordingPlan) -> str:
     if plan.mount is None:
         return "unknown"
     x, y, z = plan.mount.T_B_L[:3, 3]
-    roll, pitch, yaw = np.degrees(_rpy_of(plan.mount.T_B_L))
+    roll, pitch, yaw = np.round(np.degrees(_rpy_of(plan.mount.T_B_L)), 1) + 0.0  # no minus before zero
     return "LiDAR at %.3f %.3f %.3f m, roll pitch yaw %.1f %.1f %.1f deg on '%s': %s" % (
         x, y, z, roll, pitch, yaw, plan.mount.body, plan.mount.how)
 

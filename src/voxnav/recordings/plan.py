@@ -58,6 +58,7 @@ class RecordingPlan:
         except DatasetError as error:
             self.error = str(error)
         self.warnings += files.warnings + self.survey.frames.warnings + self._mount_notes
+        self.warnings += self.survey.left_out.lines()
 
     def _choose(self) -> None:
         options, survey = self.options, self.survey

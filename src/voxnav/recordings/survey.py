@@ -26,6 +26,7 @@ _MAX_TF_MESSAGES = 20_000
 # Clouds of each topic that are looked into; the windows give no more than these.
 _NUM_CLOUDS = 16
 _MAX_POSES = 5_000
+_MIN_GAP_S = 0.3  # between messages, if it is several of their periods
 
 
 class Gap(NamedTuple):
@@ -44,7 +45,7 @@ class TopicSurvey:
         steps_s = 1e-9 * np.diff(record_ns)
         self.period_s = float(np.median(steps_s)) if len(steps_s) else None
         self.gaps = [Gap(1e-9 * float(record_ns[i]), float(steps_s[i]))
-                     for i in np.flatnonzero(steps_s > max(1.0, 5.0 * (self.period_s or 0.0)))[:100]]
+                     for i in np.flatnonzero(steps_s > max(_MIN_GAP_S, 5.0 * (self.period_s or 0.0)))[:100]]
         self.frames: Counter[str] = Counter()
         self.children: Counter[str] = Counter()  # of odometry
         self.stamps_ns: List[int] = []  # of the messages that were looked at
@@ -98,8 +99,11 @@ class Survey:
         self.all_topics: Dict[str, Topic] = files.topics()
         self.topics: Dict[str, TopicSurvey] = {}
         for name, topic in sorted(self.all_topics.items()):
-            if topic.kind in KINDS:
-                self.topics[name] = TopicSurvey(topic, files.record_times_ns(name))
+            if topic.kind not in KINDS:
+                continue
+            record_ns = files.record_times_ns(name)
+            if len(record_ns):
+                self.topics[name] = TopicSurvey(topic, record_ns)
         self.is_whole = files.size_bytes <= _WHOLE_BYTES
         self._look_at_frames(all_of_tf=self.is_whole)
         for message in self._sample():
