@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/map_bag on small recordings of a simulated flight: a bag, a folder, and damaged ones."""
 
+import gc
 import json
 import os
+import tempfile
 
 import numpy as np
 import pytest
@@ -66,7 +68,10 @@ def test_the_map_lies_on_the_true_surface_although_the_sensor_moves(bag, scans, 
     assert max(errors) < 0.15  # a pose stands for the middle of its sweep
 
 
-def test_a_truncated_bag_is_mapped_as_far_as_it_is_intact(bag, config, tmp_path, capsys):
+def test_a_truncated_bag_is_mapped_as_far_as_it_is_intact(bag, config, tmp_path, capsys, monkeypatch):
+    copies = tmp_path / "copies"
+    copies.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(copies))
     cut = str(tmp_path / "cut.bag")
     content = read(os.path.dirname(bag), os.path.basename(bag))
     with open(cut, "wb") as out:
@@ -76,6 +81,8 @@ def test_a_truncated_bag_is_mapped_as_far_as_it_is_intact(bag, config, tmp_path,
     metrics = json.loads(read(tmp_path / "out", "metrics.json"))
     assert 3 < metrics["counts"]["scans"] < NUM_SCANS
     assert read(os.path.dirname(cut), "cut.bag") == content[:int(0.6 * len(content))]  # the original is left alone
+    gc.collect()
+    assert [name for name in os.listdir(str(copies)) if name.endswith(".bag")] == []
 
 
 @pytest.mark.parametrize("content, words", [(None, "no such file"), (b"", "not a readable bag"),

@@ -8,6 +8,7 @@ import os
 import shutil
 import struct
 import tempfile
+import weakref
 from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
@@ -91,7 +92,8 @@ class BagFiles:
         self.left_out = LeftOut()
         self._bags: list[Any] = []
         self._indexes: list[BagIndex] = []
-        self._copies: list[str] = []
+        # Whoever forgets to close the files, or is killed by an exception, leaves no copy of a recording behind.
+        self._copies: list[weakref.finalize] = []  # type: ignore[type-arg]
         self.size_bytes = 0
         try:
             for path in paths:
@@ -111,7 +113,7 @@ class BagFiles:
         except rosbag.ROSBagUnindexedException:
             bag, copy = _repaired(path)
             self._bags.append(bag)
-            self._copies.append(copy)
+            self._copies.append(weakref.finalize(self, os.unlink, copy))
             self.warnings.append("%s was not closed properly (truncated?); mapped what is intact" % path)
         except Exception as error:  # the reader fails in many ways on damaged bytes
             raise DatasetError("%s: not a readable bag: %s" % (path, error))
@@ -124,8 +126,8 @@ class BagFiles:
     def close(self) -> None:
         for bag in self._bags:
             bag.close()
-        for copy in self._copies:
-            os.unlink(copy)
+        for remove in self._copies:
+            remove()
         self._bags, self._indexes, self._copies = [], [], []
 
     def topics(self) -> dict[str, Topic]:
