@@ -71,6 +71,16 @@ def good(scans, **options):
     return flight(scans[1], first_stamp_s=FIRST_S, **options)
 
 
+def moved(msg, seconds):
+    """A copy of a message that bears a later stamp."""
+    import rospy
+
+    out = copy.copy(msg)
+    out.header = copy.deepcopy(msg.header)
+    out.header.stamp += rospy.Duration.from_sec(seconds)
+    return out
+
+
 def spoil_pose(msg, **values):
     for name, value in values.items():
         setattr(msg.pose.pose.position if name in "xyz" else msg.pose.pose.orientation, name.strip("_"), value)
@@ -331,6 +341,20 @@ def test_the_page_tells_gaps_of_odometry_and_transforms_that_are_none(scans, tmp
     page = capsys.readouterr().out
     assert "/odom is silent once longer than 0.3 s, for 0.5 s" in page and "LiDAR odometry covers it" in page
     assert "body to camera is not one" in page
+
+
+def test_a_large_recording_is_looked_at_in_windows_that_show_the_same(scans, tmp_path, capsys, monkeypatch):
+    messages = good(scans, with_imu=True)
+    later = []
+    for i in range(1, 20):  # the flight over and over again
+        later += [[record_s + 1.72 * i, topic, moved(msg, 1.72 * i)] for record_s, topic, msg in messages[1:]]
+    bag = write_messages(str(tmp_path / "long.bag"), messages + later)
+    monkeypatch.setattr("voxnav.recordings.survey._WHOLE_BYTES", 1000)
+    check_recording([bag])
+    page = capsys.readouterr().out
+    assert "looked at in windows" in page and "repeats" not in page and "cannot be read" not in page
+    for words in ("/points (", "/odom (50 Hz", "/imu (200 Hz", "body -> lidar", "m/s^2"):
+        assert words in page
 
 
 def test_odometry_on_another_clock_or_too_slow_is_not_used(scans, tmp_path):

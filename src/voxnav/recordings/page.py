@@ -14,7 +14,7 @@ from voxnav.recordings.problems import force_size, imu_unit, problems_of, used_t
 from voxnav.recordings.survey import TopicSurvey
 
 # Measured: the interpreter with the core, one entry of rosbag's index, and the parts that grow with a flight.
-_BASE_MB, _INDEX_BYTES = 150.0, 700.0
+_BASE_MB, _INDEX_BYTES = 110.0, 700.0
 
 
 def page(plan: RecordingPlan, paths: Sequence[str], title: str = "recording") -> list[str]:

@@ -136,7 +136,8 @@ class Survey:
         end = max(topic.end_ns for topic in self.topics.values())
         starts = np.linspace(begin + 1e9 * _BEGIN_S, end - 1e9 * _WINDOW_S, _NUM_WINDOWS)
         windows: list[tuple[int | None, int | None]] = [(begin, begin + int(1e9 * _BEGIN_S))]
-        return windows + [(int(start), int(start + 1e9 * _WINDOW_S)) for start in starts if start > begin]
+        # Limits are included: a window begins after the end of the one before.
+        return windows + [(int(start) + 1, int(start + 1e9 * _WINDOW_S)) for start in starts if start > begin]
 
     def _sample(self) -> Iterator[RawMessage]:
         for from_ns, until_ns in self._windows() if self.topics else ():
@@ -160,10 +161,11 @@ class Survey:
         except ValueError:
             pass
 
-    @staticmethod
-    def _is_wanted(topic: TopicSurvey) -> bool:
+    def _is_wanted(self, topic: TopicSurvey) -> bool:
         """The first clouds in a row, and then some of the rest."""
-        seen, step = len(topic.stamps_ns), max(1, topic.topic.num // _NUM_CLOUDS)
+        in_windows = int((_BEGIN_S + _NUM_WINDOWS * _WINDOW_S) * (topic.rate_hz or 0.0))
+        seen, num_all = len(topic.stamps_ns), topic.topic.num if self.is_whole else in_windows
+        step = max(1, num_all // _NUM_CLOUDS)
         return len(topic.clouds) < _NUM_CLOUDS and (seen <= _NUM_CLOUDS // 2 or seen % step == 0)
 
     @staticmethod
