@@ -127,6 +127,7 @@ def test_one_bad_message_costs_itself(fault, which, scans, tmp_path, capsys):
     assert len(run.metrics["left_out"]) == 1 and run.metrics["left_out"][0]["count"] == 1
     assert run.metrics["left_out"][0]["what"] == what and word in run.metrics["left_out"][0]["reason"].lower()
     assert capsys.readouterr().out.rstrip().endswith(run.metrics["left_out_lines"][-1])  # what is left out comes last
+    assert run.metrics["left_out_lines"][0] in run.metrics["warnings"]
     with open(run.out + "/report.html") as source:
         assert "What was left out" in source.read()
 

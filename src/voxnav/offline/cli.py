@@ -117,10 +117,11 @@ def _say(metrics: dict[str, Any]) -> None:
             name, stage["count"], stage["mean_ms"], stage["p99_ms"], stage["max_ms"]))
     for name, value in sorted(metrics.get("errors", {}).items()):
         print("%s = %.3f" % (name, value))
-    for warning in metrics["warnings"][:20]:
+    warnings = [warning for warning in metrics["warnings"] if warning not in metrics["left_out_lines"]]
+    for warning in warnings[:20]:
         print("warning: " + warning)
-    if len(metrics["warnings"]) > 20:
-        print("... and %d warnings more in metrics.json" % (len(metrics["warnings"]) - 20))
+    if len(warnings) > 20:
+        print("... and %d warnings more in metrics.json" % (len(warnings) - 20))
 
 
 def main(argv: Sequence[str] | None = None) -> int:

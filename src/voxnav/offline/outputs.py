@@ -43,7 +43,8 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
         mapper.collection.save(os.path.join(directory, "map"))
     counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))
     metrics: dict[str, Any] = {"stages": mapper.stages.summary(), "memory": mapper.memory,
-                               "warnings": (mapper.warnings + mapper.gaps.notes)[:1000], "counts": counts,
+                               "warnings": (mapper.left_out.lines() + mapper.warnings + mapper.gaps.notes)[:1000],
+                               "counts": counts,
                                "left_out": mapper.left_out.rows(), "left_out_lines": mapper.left_out.lines(),
                                "coverage": _coverage(mapper), "recording": mapper.page,
                                "origin_m": [0.0] * 3 if mapper.origin_m is None else list(mapper.origin_m)}

@@ -111,7 +111,8 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
     parts += ["<h2>Counts</h2>", _table(counts, ("what", "number"))]
     parts += ["<h2>What was left out</h2>", "<p>%s</p>" % html.escape(metrics["coverage"]["sentence"]),
               _list(metrics["left_out_lines"] or ["nothing"])]
-    if metrics["warnings"]:
-        parts += ["<h2>Warnings</h2>", _list(metrics["warnings"])]
+    warnings = [warning for warning in metrics["warnings"] if warning not in metrics["left_out_lines"]]
+    if warnings:
+        parts += ["<h2>Warnings</h2>", _list(warnings)]
     with open(path, "w") as out:
         out.write("\n".join(parts))
