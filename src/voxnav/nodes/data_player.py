@@ -109,6 +109,11 @@ class DataPlayer:
         """Returns played time minus recorded time, or None before the first record."""
         return None if self._offset_ns is None else 1e-9 * self._offset_ns
 
+    @property
+    def last_stamps_s(self):
+        """Returns the stamps of the last scans as they were played, at most ten, oldest first."""
+        return list(self._stamps[-10:])
+
     def _scans(self):
         for record in self._dataset:
             if self._offset_ns is None:

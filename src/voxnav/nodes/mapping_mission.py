@@ -14,6 +14,7 @@ from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
 MAPPING_NODES = ("cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer")
 NODES_LIMIT_S = 120.0
 CLOSING_LIMIT_S = 30.0
+LAST_SUBMAP_LIMIT_S = 15.0
 
 
 def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav1"):
@@ -39,7 +40,7 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav
         for played in player.play():
             on_scan(played)
         player.keep_time()
-        _close(recorder, record)
+        _close(recorder, record, player.last_stamps_s, lags["local_mapper"])
         record.reached = True
     except (MissionError, PlayerError, ValueError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = "%s, after %d of %d scans" % (error, played, dataset.num_scans)
@@ -57,14 +58,26 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav
         record.mission = (stamps[0], stamps[-1])
 
 
-def _close(recorder, record):
-    """Requests the handover of the open submap, and waits until the map contains it."""
+def _close(recorder, record, stamps_s, lag):
+    """Requests the handover of the open submap, and waits until the map contains it.
+
+    stamps_s: of the last scans played. lag: number of them whose poses come too late, with the recording at its end.
+    """
     rospy.wait_for_service("local_mapper/close_submap", 10.0)
     answer = rospy.ServiceProxy("local_mapper/close_submap", Trigger)()
     if not answer.success:
         raise MissionError("the last submap was not closed: " + answer.message)
-    newest = record.odometry[0][-1] if len(record.odometry[0]) else -np.inf
-    recorder.wait_until(lambda: len(record.optimised[0]) and record.optimised[0][-1] > newest - 0.5, CLOSING_LIMIT_S,
-                        "the optimised trajectory of the whole recording")
+    # The last scan that can be in the map; half a millisecond covers stamps that are rounded on their way.
+    expected_s = stamps_s[-1 - lag] - 5e-4 if len(stamps_s) > lag else -np.inf
+    try:
+        recorder.wait_until(lambda: _ends_after(record, expected_s), LAST_SUBMAP_LIMIT_S, "the last submap")
+    except MissionError:  # the last scans were not mapped, for reasons that the nodes gave
+        recorder.wait_until(lambda: _ends_after(record, expected_s - 0.5), CLOSING_LIMIT_S,
+                            "the optimised trajectory of the whole recording")
     recorder.optimise(10.0)
     recorder.wait_for_map(10.0)
+
+
+def _ends_after(record, stamp_s):
+    """Returns whether the optimised trajectory reaches to the stamp."""
+    return len(record.optimised[0]) > 0 and record.optimised[0][-1] >= stamp_s
