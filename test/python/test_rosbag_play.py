@@ -2,7 +2,6 @@
 """``rosbag play --clock`` beside launch/bag.launch, as people replay recordings, and the mounts of that launch file."""
 
 import os
-import shutil
 import subprocess
 import time
 import xmlrpc.client
@@ -80,7 +79,6 @@ def map_of(env, folder):
     raise AssertionError("the map stayed empty")
 
 
-@pytest.mark.skipif(shutil.which("rosservice") is None, reason="rosservice is not installed")
 def test_a_played_recording_is_mapped_where_the_world_is(tmp_path):
     world, messages = recording()
     bag = write_messages(str(tmp_path / "flight.bag"), messages)
