@@ -150,6 +150,44 @@ void bind_sweep(py::module_& m) {
           py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
 }
 
+void bind_point_times(py::module_& m) {
+  using cloud::PointTimes;
+  using cloud::TimesReport;
+  bind_words<cloud::TimeUnit>(m, "TimeUnit", "What one step of a time field lasts.");
+  bind_words<cloud::TimeZero>(m, "TimeZero", "From when a time field counts.");
+  bind_words<cloud::TimesState>(m, "TimesState", "How much is known of a sensor's time field.");
+  py::class_<TimesReport>(m, "TimesReport", "What is known of a sensor's time field, and how.")
+      .def_property_readonly(
+          "state", [](const TimesReport& r) { return to_member(r.state); },
+          "TimesState: NO_FIELD; UNDECIDED, the times are not used; BY_NAME; MEASURED.")
+      .def_readonly("field", &TimesReport::field, "Its name; empty when there is none.")
+      .def_property_readonly("type", [](const TimesReport& r) { return std::string(cloud::name_of(r.type)); })
+      .def_property_readonly(
+          "unit", [](const TimesReport& r) { return to_member(r.unit); }, "TimeUnit, unless undecided.")
+      .def_property_readonly(
+          "zero", [](const TimesReport& r) { return to_member(r.zero); }, "TimeZero, unless undecided.")
+      .def_readonly("sweep_period_ns", &TimesReport::sweep_period_ns, "Median step between stamps, or None.")
+      .def_readonly("sweep_span_ns", &TimesReport::sweep_span_ns, "Longest that the points of a cloud took.")
+      .def_readonly("is_stamp_at_end", &TimesReport::is_stamp_at_end)
+      .def_readonly("num_clouds", &TimesReport::num_clouds, "With a time field.")
+      .def_readonly("num_clouds_untimed", &TimesReport::num_clouds_untimed, "Whose times were not used.")
+      .def_readonly("how", &TimesReport::how, "What the field counts and how that was decided, or why not.")
+      .def_property_readonly("problem", &cloud::problem_of, "What is wrong, for people; empty when all were used.");
+  py::class_<PointTimes>(m, "PointTimes",
+                         "Finds out what the point times of one sensor count, by how long its sweeps last. CloudFilter "
+                         "has one of its own.")
+      .def(py::init<>())
+      .def(
+          "judge",
+          [](PointTimes& self, const py::bytes& data, const CloudLayout& layout, base::StampNs stamp_ns) {
+            return self.judge(view_of(data, layout, stamp_ns)).tick_ns > 0.0;
+          },
+          py::arg("data"), py::arg("layout"), py::arg("stamp_ns"),
+          "Take the next cloud of the sensor into account. Returns whether its times can be used. Raises ValueError\n"
+          "saying what is wrong with the layout.")
+      .def_property_readonly("report", &PointTimes::report, "TimesReport after the clouds so far.");
+}
+
 void bind_layout(py::module_& m) {
   py::class_<CloudLayout>(m, "CloudLayout",
                           "How the bytes of a cloud are laid out (sensor_msgs/PointCloud2 without header).")
@@ -194,6 +232,7 @@ void bind_result(py::module_& m) {
 
 void bind_cloud(py::module_& m) {
   bind_layout(m);
+  bind_point_times(m);
   bind_sweep(m);
   bind_result(m);
   bind_config<cloud::CloudFilterConfig>(m, "CloudFilterConfig", "Which returns of a scan are kept.");
@@ -211,7 +250,9 @@ void bind_cloud(py::module_& m) {
            "data: bytes; layout: CloudLayout; stamp_s: header stamp, for drivers with absolute point times, or "
            "stamp_ns,\n"
            "the same to the last nanosecond.\n"
-           "Raises ValueError that says what is wrong with the layout.");
+           "Raises ValueError that says what is wrong with the layout.")
+      .def_property_readonly("point_times", &cloud::CloudFilter::point_times,
+                             "TimesReport: what is known of the sensor's point times after the clouds so far.");
 }
 
 }  // namespace voxnav::bindings

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapper.hpp"
 
+#include <pybind11/stl.h>
+
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "imu_samples.hpp"
@@ -117,6 +119,12 @@ void bind_mapper(py::module_& m) {
            }),
            py::arg("config") = MapperConfig{}, py::arg("T_B_L") = py::none(),
            "T_B_L: (4, 4) float64, LiDAR on the body; None is the identity. Raises ConfigError.")
+      .def(
+          "expect_imu", [](MountedMapper& self) { self.mapper.expect_imu(); },
+          "There will be IMU samples: sweeps wait, up to 30 of them, until these have shown where up is.")
+      .def_property_readonly(
+          "odometry_problems", [](const MountedMapper& self) { return self.mapper.odometry_problems(); },
+          "What is wrong with the samples and the frame of the mapper's own odometry: list of sentences for people.")
       .def("add_imu", &add_imu, py::arg("stamps"), py::arg("gyro"), py::arg("accel"),
            "Adds IMU samples as LidarOdometry.add_imu() does; they are used only if MapperConfig.odometry is set.")
       .def(

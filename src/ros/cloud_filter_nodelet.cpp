@@ -104,14 +104,28 @@ class CloudFilterNodelet : public NodeletBase {
       diagnostics().set_counter(std::string("points_") + name, static_cast<double>(value));
     }
     diagnostics().set_counter("point_times_refused", static_cast<double>(num_bad_times_));
+    const std::string untimed = report_times();
     diagnostics().set_counter("ghost_filter_suspended", result_.is_ghost_filter_suspended ? 1.0 : 0.0);
     if (result_.counts.total > 0 && result_.counts.kept == 0) {
       warn("no point of a cloud on " + topic_ + " was kept: " + describe(result_.counts));
+    } else if (!untimed.empty()) {
+      warn("point times on " + topic_ + ": " + untimed);
     } else if (result_.is_ghost_filter_suspended) {
       warn("no return on " + topic_ + " has any intensity: the ghost filter is suspended");
     } else {
       diagnostics().set_level(msg::NodeDiagnostics::OK, "");
     }
+  }
+
+  /// @return why the times of this cloud were not used; empty when they were, or when it has none
+  std::string report_times() {
+    const voxnav::cloud::TimesReport& times = filter_->point_times();
+    if (times.state != times_state_) NODELET_INFO_STREAM("[" << node() << "]: point times on " << topic_ << ": " << times.how);
+    times_state_ = times.state;
+    diagnostics().set_counter("clouds_untimed", static_cast<double>(times.num_clouds_untimed));
+    const bool is_untimed = times.num_clouds_untimed > num_untimed_;
+    num_untimed_ = times.num_clouds_untimed;
+    return is_untimed ? problem_of(times) : std::string();
   }
 
   void refuse(const std::string& reason) {
@@ -143,7 +157,8 @@ class CloudFilterNodelet : public NodeletBase {
   std::unique_ptr<BodyLearning> body_learning_;
   voxnav::cloud::FilterResult result_;
   voxnav::cloud::FilterCounts total_;
-  std::uint64_t num_bad_times_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
+  std::uint64_t num_bad_times_ = 0, num_untimed_ = 0, num_refused_ = 0, num_time_jumps_ = 0;
+  voxnav::cloud::TimesState times_state_ = voxnav::cloud::TimesState::kNoField;
   ros::Time last_stamp_;
   std::string topic_;
   ros::Publisher points_, rejected_, far_;

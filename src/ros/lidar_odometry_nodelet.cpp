@@ -13,6 +13,8 @@ namespace {
 
 namespace odometry = voxnav::odometry;
 constexpr double kLogPeriod_s = 5.0;
+/// Time after the first cloud for which a frame that is not level waits for an IMU.
+constexpr double kLevelWait_s = 3.0;
 /// Number of IMU samples kept until the mount of the LiDAR is known: enough to find the direction of gravity.
 constexpr std::size_t kMaxEarlySamples = 1000;
 constexpr double kWaitCheck_s = 0.005;
@@ -82,9 +84,8 @@ void LidarOdometryNodelet::add_imu(const sensor_msgs::Imu& msg) {
   const auto& a = msg.linear_acceleration;
   const odometry::ImuSample sample{to_ns(msg.header.stamp), *R_B_I_ * voxnav::geometry::Vec3(w.x, w.y, w.z),
                                    *R_B_I_ * voxnav::geometry::Vec3(a.x, a.y, a.z)};
-  gate_->note_imu(sample.stamp_ns);
   if (estimator_) {
-    estimator_->add_imu(sample);
+    if (estimator_->add_imu(sample)) gate_->note_imu(sample.stamp_ns);
   } else {
     early_imu_.push_back(sample);
     if (early_imu_.size() > kMaxEarlySamples) early_imu_.pop_front();
@@ -116,7 +117,9 @@ bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
   if (!T_B_L) return false;
   lidar_frame_ = lidar_frame;
   estimator_ = std::make_unique<odometry::LidarOdometry>(odometry_config_, *T_B_L);
-  for (const odometry::ImuSample& sample : early_imu_) estimator_->add_imu(sample);
+  for (const odometry::ImuSample& sample : early_imu_) {
+    if (estimator_->add_imu(sample)) gate_->note_imu(sample.stamp_ns);
+  }
   early_imu_.clear();
   return true;
 }
@@ -133,11 +136,21 @@ void LidarOdometryNodelet::process(const voxnav::cloud::Sweep& sweep) {
   {
     const auto timer = diagnostics().time("odometry");
     result = estimator_->add_sweep(sweep);
+    // Who flies by the frame must not see it turn.
+    if (result.is_new && !has_published_ && estimator_->level()) result = estimator_->last();
   }
   diagnostics().add_latency("odometry", stamp);
   publish(result);
   report(result);
   publish_progress(stamp);
+}
+
+/// Whether an IMU may still turn the frame upright. In the first seconds nothing is flown by it yet.
+bool LidarOdometryNodelet::awaits_level(voxnav::base::StampNs stamp_ns) {
+  if (!first_stamp_ns_) first_stamp_ns_ = stamp_ns;
+  if (estimator_->is_level() || !odometry_config_.use_imu || has_published_) return false;
+  const bool is_early = voxnav::base::to_seconds(stamp_ns - *first_stamp_ns_) < kLevelWait_s;
+  return is_early && imu_.getNumPublishers() > 0;
 }
 
 void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
@@ -146,8 +159,9 @@ void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
   header.stamp = to_ros(result.stamp_ns);
   header.frame_id = config_.odometry_frame;
   quality_.publish(quality_msg(result, header));
-  // Before the first map there is no pose to publish.
-  if (estimator_->num_map_voxels() == 0) return;
+  // Before the first map there is no pose to publish, and before the frame is level nobody is to fly by it.
+  if (estimator_->num_map_voxels() == 0 || awaits_level(result.stamp_ns)) return;
+  has_published_ = true;
   odom_.publish(odometry_msg(result, header, config_.body_frame, odometry_config_));
   if (!config_.publish_tf) return;
   geometry_msgs::TransformStamped tf;
@@ -160,6 +174,7 @@ void LidarOdometryNodelet::publish(const odometry::OdometryResult& result) {
 
 void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
   const odometry::OdometryCounters& c = estimator_->counters();
+  const voxnav::base::StampCounts& stamps = estimator_->imu_stamps();
   const std::pair<const char*, std::uint64_t> counters[] = {{"clouds", c.clouds},
                                                             {"clouds_refused", c.clouds_refused},
                                                             {"coasted", c.coasted},
@@ -168,7 +183,10 @@ void LidarOdometryNodelet::report(const odometry::OdometryResult& result) {
                                                             {"points_refused", c.points_refused},
                                                             {"imu_refused", c.imu_refused},
                                                             {"imu_clock_jumps", c.imu_clock_jumps},
-                                                            {"scans_without_imu", c.scans_without_imu}};
+                                                            {"scans_without_imu", c.scans_without_imu},
+                                                            {"imu_stamps_repeated", stamps.repeated},
+                                                            {"imu_stamps_stray", stamps.stray},
+                                                            {"imu_clock_stuck", stamps.stuck_clocks}};
   for (const auto& [name, value] : counters) diagnostics().set_counter(name, static_cast<double>(value));
   diagnostics().set_counter("map_voxels", static_cast<double>(estimator_->num_map_voxels()));
   if (!result.is_new || result.quality.state == odometry::OdometryState::kCoasting) {
@@ -192,6 +210,8 @@ void LidarOdometryNodelet::complain(const std::string& text) {
 bool LidarOdometryNodelet::on_reset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   gate_->clear();
   if (estimator_) estimator_->reset();
+  first_stamp_ns_.reset();
+  has_published_ = false;
   response.success = true;
   response.message = "odometry starts anew with the next cloud";
   NODELET_INFO_STREAM("[" << node() << "]: " << response.message);

@@ -41,6 +41,7 @@ class LidarOdometryNodelet : public NodeletBase {
   bool make_estimator(const std::string& lidar_frame);
   void add_imu(const sensor_msgs::Imu& msg);
   void process_ready();
+  bool awaits_level(voxnav::base::StampNs stamp_ns);
   void process(const voxnav::cloud::Sweep& sweep);
   void publish(const voxnav::odometry::OdometryResult& result);
   void report(const voxnav::odometry::OdometryResult& result);
@@ -55,6 +56,8 @@ class LidarOdometryNodelet : public NodeletBase {
   std::deque<sensor_msgs::ImuConstPtr> unmounted_imu_;  // came before the mounting of the IMU was known
   std::deque<voxnav::odometry::ImuSample> early_imu_;   // came before that of the LiDAR
   std::unique_ptr<voxnav::odometry::ImuGate> gate_;
+  std::optional<voxnav::base::StampNs> first_stamp_ns_;  // since the start or the last reset
+  bool has_published_ = false;
   std::string points_topic_, imu_topic_;
 
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;

@@ -2,6 +2,7 @@
 """Small recordings of a simulated flight, for tests that map them: sweeps of a LiDAR, and a rosbag of them."""
 
 import os
+from typing import Callable, NamedTuple
 
 import numpy as np
 
@@ -26,22 +27,37 @@ def sweeps(T_B_L=MOUNT, num_scans=NUM_SCANS):
                    for i, t in enumerate(FIRST_STAMP_S + SWEEP_S * np.arange(num_scans))]
 
 
-def cloud_message(scan, stamp, has_absolute_times=False):
-    """Point times are nanoseconds after the stamp, or seconds since the epoch of stamps."""
+POINT_FIELD_TYPES = {"<i4": 5, "<u4": 6, "<f4": 7, "<f8": 8}
+
+
+class TimeField(NamedTuple):
+    """The point times that a driver writes. written: from the offsets (w,) of the columns and the start of the sweep,
+    both in seconds; stamp_s: of the cloud, after the start of its sweep."""
+
+    name: str = "t"
+    dtype: str = "<u4"
+    written: Callable = lambda offsets_s, start_s: np.round(offsets_s * 1e9)
+    stamp_s: float = 0.0
+
+
+ABSOLUTE_TIMES = TimeField("timestamp", "<f8", lambda offsets_s, start_s: offsets_s + start_s)
+
+
+def cloud_message(scan, start, times=TimeField()):
     import rospy
     from sensor_msgs.msg import PointCloud2, PointField
 
     height, width = scan.ranges_m.shape
-    name, dtype, datatype = ("timestamp", "<f8", 8) if has_absolute_times else ("t", "<u4", 6)
-    rows = np.zeros((height, width), dtype=[("xyzi", "<f4", 4), ("t", dtype)])
+    rows = np.zeros((height, width), dtype=[("xyzi", "<f4", 4), ("t", times.dtype)])
     rows["xyzi"] = scan.organised
-    times_s = scan.column_times_s.astype(np.float64)
-    rows["t"] = (times_s + stamp if has_absolute_times else np.round(times_s * 1e9)).astype(dtype)[None, :]
+    written = np.asarray(times.written(scan.column_times_s.astype(np.float64), start))
+    rows["t"] = (written % 2**32 if times.dtype == "<u4" else written).astype(times.dtype)[None, :]
     step = rows.dtype.itemsize
     msg = PointCloud2(height=height, width=width, point_step=step, row_step=step * width, data=rows.tobytes())
     msg.fields = [PointField(n, 4 * i, 7, 1) for i, n in enumerate(("x", "y", "z", "intensity"))]
-    msg.fields.append(PointField(name, 16, datatype, 1))
-    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp), "lidar"
+    if times.name:
+        msg.fields.append(PointField(times.name, 16, POINT_FIELD_TYPES[times.dtype], 1))
+    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(start + times.stamp_s), "lidar"
     return msg
 
 
@@ -87,7 +103,7 @@ def link(parent, child, T_parent_child, stamp=0.0):
 
 
 def flight(scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S,
-           with_absolute_times=False):
+           times=TimeField()):
     """Messages as [record time s, topic, message]: the scans on /points, their mount on /tf_static, odometry at 50 Hz
     on /odom, IMU at 200 Hz on /imu.
 
@@ -102,7 +118,7 @@ def flight(scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s
         out.append([t + later_s, "/imu", imu_message(t + later_s)])
     for i, scan in enumerate(scans):
         stamp = first_stamp_s + SWEEP_S * i
-        out.append([stamp + SWEEP_S, "/points", cloud_message(scan, stamp, with_absolute_times)])
+        out.append([stamp + SWEEP_S, "/points", cloud_message(scan, stamp, times)])
     return out
 
 
@@ -122,6 +138,6 @@ def write_messages(path, messages, compression="none", is_sorted=True):
     return path
 
 
-def write_bag(path, scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S):
-    """A bag with the messages of flight()."""
-    write_messages(path, flight(scans, T_B_L, with_odometry, with_imu, first_stamp_s))
+def write_bag(path, scans, *args, **kwargs):
+    """A bag with the messages of flight(scans, ...)."""
+    write_messages(path, flight(scans, *args, **kwargs))

@@ -14,7 +14,8 @@ pytest.importorskip("rosbag")
 pytest.importorskip("roslaunch")
 
 import voxnav  # noqa: E402
-from recordings import FIRST_STAMP_S, ROOT, body_pose, flight, sweeps, write_messages  # noqa: E402
+from recordings import (ABSOLUTE_TIMES, FIRST_STAMP_S, ROOT, TimeField, body_pose, flight,  # noqa: E402
+                        sweeps, write_messages)
 from voxnav import simulation  # noqa: E402
 from voxnav.demo.recording import mount_argument  # noqa: E402
 from voxnav.offline.configs import rotation_from_rpy  # noqa: E402
@@ -25,11 +26,13 @@ MOUNT[:3, :3] = rotation_from_rpy(np.array([0.1, 0.3, 1.2]))
 MOUNT[:3, 3] = (0.3, -0.2, 0.4)
 
 
-@pytest.mark.parametrize("with_absolute_times, first_stamp_s", [(False, FIRST_STAMP_S), (True, 100.0)])
-def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(with_absolute_times, first_stamp_s, tmp_path):
+@pytest.mark.parametrize("times, first_stamp_s", [(TimeField(), FIRST_STAMP_S), (ABSOLUTE_TIMES, 100.0),
+                                                  (ABSOLUTE_TIMES, FIRST_STAMP_S)],
+                         ids=["after the stamp", "absolute", "absolute, moved"])
+def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(times, first_stamp_s, tmp_path):
     world, scans = sweeps(MOUNT)
     bag, out = str(tmp_path / "flight.bag"), str(tmp_path / "out")
-    write_messages(bag, flight(scans, MOUNT, first_stamp_s=first_stamp_s, with_absolute_times=with_absolute_times))
+    write_messages(bag, flight(scans, MOUNT, first_stamp_s=first_stamp_s, times=times))
     command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", bag, "--out", out, "--no-rviz"]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
                          timeout=300)

@@ -14,7 +14,7 @@ pytest.importorskip("rosbag")
 roslaunch = pytest.importorskip("roslaunch")
 
 import voxnav  # noqa: E402
-from recordings import ROOT, body_pose, flight, link, sweeps, write_messages  # noqa: E402
+from recordings import ABSOLUTE_TIMES, ROOT, body_pose, flight, link, sweeps, write_messages  # noqa: E402
 from voxnav.demo import processes  # noqa: E402
 from voxnav.offline.configs import mount_of  # noqa: E402
 from voxnav.recordings.bag_files import BagFiles  # noqa: E402
@@ -30,7 +30,7 @@ CONFIG = "local_mapper: {node: {tf_timeout_s: 5.0}, mapper: {max_pending_scans: 
 def recording():
     """(world, messages) with the poses on /tf, and clouds whose points bear absolute times in seconds."""
     world, scans = sweeps(MOUNT, NUM_SCANS)
-    messages = flight(scans, MOUNT, first_stamp_s=FIRST_S, with_absolute_times=True)
+    messages = flight(scans, MOUNT, first_stamp_s=FIRST_S, times=ABSOLUTE_TIMES)
     for t in np.arange(0.9, 1.3 + 0.1 * NUM_SCANS, 0.02):
         stamp = t + FIRST_S - 1.0
         messages.append([stamp, "/tf", link("odom", "body", body_pose(t), stamp)])

@@ -10,6 +10,7 @@
 #include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
 #include "voxnav/cloud/cloud_layout.hpp"
+#include "voxnav/cloud/point_times.hpp"
 
 namespace voxnav::cloud {
 
@@ -48,13 +49,14 @@ struct FilterResult {
   FilterCounts counts;
   /// Time of the sweep's start after the cloud's stamp; negative for drivers that stamp the end.
   std::int64_t sweep_start_ns = 0;
-  std::uint64_t num_bad_times = 0;         ///< kept points whose time was unusable and is taken as 0
+  std::uint64_t num_bad_times = 0;         ///< kept points whose time is none of the sweep and is taken as 0
   bool is_ghost_filter_suspended = false;  ///< no return had any intensity, so that none could be judged by it
 };
 
 /// Removes from a scan what is not surroundings: missing returns, the UAV's own body, ghosts, surplus.
 /// One pass over the bytes, no allocation per point once the result has grown to the sensor's size.
-/// Not thread-safe: it keeps the decimation phase and scratch memory.
+/// For the clouds of one sensor: it finds out what their point times count, and keeps the decimation phase.
+/// Not thread-safe.
 class CloudFilter {
  public:
   /// @throws base::ConfigError
@@ -68,6 +70,9 @@ class CloudFilter {
   /// Filters one cloud; `result` is overwritten, its memory reused. O(points).
   void apply(const RawCloudView& cloud, FilterResult* result);
   FilterResult apply(const RawCloudView& cloud);
+
+  /// What is known of the sensor's point times after the clouds so far.
+  const TimesReport& point_times() const { return times_.report(); }
 
   /// What sorted a point out, or kept it.
   enum class Verdict { kKept, kNan, kZero, kBody, kNear, kFar, kGhost };
@@ -93,6 +98,8 @@ class CloudFilter {
 
   CloudFilterConfig config_;
   Limits limits_;
+  PointTimes times_;
+  CloudTimes cloud_times_;  // of the present cloud
   BodyMask body_mask_;
   bool has_body_mask_ = false;
   std::uint32_t row_step_ = 1, column_step_ = 1;    // of the present cloud

@@ -13,7 +13,7 @@
 
 namespace voxnav::cloud {
 
-/// Number types of a cloud field; the values are those of sensor_msgs/PointField.
+/// Number types of a cloud field; the values are those of sensor_msgs/PointField, and the two of pcl::PCLPointField.
 enum class FieldType : std::uint8_t {
   kInt8 = 1,
   kUint8 = 2,
@@ -22,7 +22,9 @@ enum class FieldType : std::uint8_t {
   kInt32 = 5,
   kUint32 = 6,
   kFloat32 = 7,
-  kFloat64 = 8
+  kFloat64 = 8,
+  kInt64 = 9,
+  kUint64 = 10
 };
 
 /// Bytes of one value; 0 for a number that is no type.
@@ -41,12 +43,15 @@ struct CloudLayout {
   std::uint32_t height = 1;
   std::uint32_t width = 0;
   std::uint32_t point_step = 0;  ///< bytes per point
-  std::uint32_t row_step = 0;    ///< bytes per row; 0 = width * point_step
+  /// Bytes per row; 0 = width * point_step. Some drivers give the bytes of the whole cloud, which is understood.
+  std::uint32_t row_step = 0;
   bool is_big_endian = false;
   std::vector<CloudField> fields;
 
   std::uint64_t num_points() const { return static_cast<std::uint64_t>(height) * width; }
   const CloudField* find(const std::string& name) const;
+  /// Bytes from one row to the next in a buffer of `data_size` bytes.
+  std::uint64_t bytes_per_row(std::size_t data_size) const;
   /// Explains to the user why a buffer of `data_size` bytes cannot be read with this layout; empty if it can.
   std::string problem(std::size_t data_size) const;
 };
@@ -57,16 +62,18 @@ struct FieldAccess {
   FieldType type = FieldType::kFloat32;
 };
 
-/// The meaning of the time field of a driver.
-enum class TimeUnit : std::uint8_t { kNanosecondsAfterStamp, kSecondsAfterStamp, kSecondsAbsolute };
+/// The field that holds the time of each point; how its numbers are meant is for PointTimes to find out.
+struct TimeField {
+  std::string name;
+  FieldAccess access;
+};
 
 /// Field names and types of the usual drivers, resolved to byte positions:
-/// Ouster, Gazebo, Velodyne, LSLiDAR, Livox, Hesai and RoboSense.
+/// Ouster, Gazebo, Velodyne, LSLiDAR, Livox, Hesai, RoboSense and Aeva.
 struct CloudAccess {
   FieldAccess x, y, z;
-  std::optional<FieldAccess> intensity;  ///< intensity, else reflectivity
-  std::optional<FieldAccess> time;       ///< t, time, timestamp, time_stamp or offset_time
-  TimeUnit time_unit = TimeUnit::kNanosecondsAfterStamp;
+  std::optional<FieldAccess> intensity;            ///< intensity, else reflectivity
+  std::optional<TimeField> time;                   ///< t, time, timestamp, offset_time, or another name with time in it
   std::optional<std::array<FieldAccess, 3>> beam;  ///< beam_x, beam_y, beam_z of the cloud filter
 };
 
@@ -96,7 +103,7 @@ class RawCloudView {
   const std::uint8_t* data_;
 };
 
-/// Reads one value of any type as a double (exact for every type that a field can have).
+/// Reads one value of any type as a double (exact but for integers beyond 2^53).
 double read_number(const std::uint8_t* point, const FieldAccess& field);
 
 /// Reads one value of any type as a float; fast for the usual type.

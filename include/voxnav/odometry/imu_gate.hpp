@@ -12,7 +12,7 @@ namespace voxnav::odometry {
 /// sweep or its samples arrive first. At most kMaxWaiting sweeps wait. Times are those of any clock of the caller.
 class ImuGate {
  public:
-  static constexpr std::size_t kMaxWaiting = 3;
+  static constexpr std::size_t kMaxWaiting = 20;
 
   struct Limits {
     bool uses_imu = true;        ///< if false, no sweep ever waits

@@ -1,89 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "voxnav/base/clock_watch.hpp"
 #include "voxnav/cloud/sweep.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
+#include "voxnav/odometry/odometry_result.hpp"
 
 namespace voxnav::odometry {
 
-/// One sample of an inertial measurement unit, in the axes of the body frame B.
-struct ImuSample {
-  base::StampNs stamp_ns = 0;
-  geometry::Vec3 gyro_radps = geometry::Vec3::Zero();
-  geometry::Vec3 accel_mps2 = geometry::Vec3::Zero();  ///< specific force: +g on the axis that points up at rest
-};
-
-/// Covariance of a pose. The order is translation x y z, then rotation x y z, all in the axes of frame O.
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-/// The state of an odometry, which tells how the pose of a cloud was found. The values are those of
-/// msg/OdometryQuality.msg.
-enum class OdometryState : std::uint8_t {
-  kInitializing = 0,  ///< there is no map to register to yet
-  kTracking = 1,      ///< the pose follows from registration
-  kCoasting = 2       ///< registration could not be trusted, and the pose follows the prediction
-};
-constexpr auto words_of(OdometryState) { return std::array{"initializing", "tracking", "coasting"}; }
-
-/// Why an odometry is in the state it is in.
-enum class OdometryReason : std::uint8_t {
-  kNone,          ///< it tracks in all directions
-  kFirstScan,     ///< the map begins with this scan
-  kTooFewPoints,  ///< the scan has too few points to begin a map with
-  kDegenerate,    ///< it tracks, and some directions follow the prediction
-  kFewMatches,    ///< it coasts: too few points match the map
-  kFewInliers,    ///< it coasts: too few of the matches fit
-  kNotConverged,  ///< it coasts: the registration did not settle
-  kMovedTooFar,   ///< it coasts: the registration moved the pose farther than the vehicle can
-  kTurnedTooFar,  ///< it coasts: the registration turned the pose farther than the vehicle can
-  kOldStamp,      ///< the cloud was refused, because its stamp is not newer than the last
-};
-constexpr auto words_of(OdometryReason) {
-  return std::array{"none",        "first_scan",    "too_few_points", "degenerate",     "few_matches",
-                    "few_inliers", "not_converged", "moved_too_far",  "turned_too_far", "old_stamp"};
-}
-
-/// The quality of the pose of one cloud.
-struct Quality {
-  OdometryState state = OdometryState::kInitializing;
-  OdometryReason reason_kind = OdometryReason::kNone;
-  std::string reason;         ///< reason_kind as a sentence for people; empty for kNone
-  double inlier_ratio = 0.0;  ///< inliers among the points that the map could judge
-  double residual_m = 0.0;    ///< root mean square distance of the inliers from the map
-  int iterations = 0;
-  int num_points = 0;  ///< points of the cloud that took part in the registration
-  /// How well the surroundings determine the pose: share of the information in each direction of translation, then of
-  /// rotation, each smallest first; 1/3 = evenly spread.
-  std::array<double, 6> eigenvalues{};
-  bool is_degenerate = false;  ///< some direction is not held, and the pose follows the prediction there
-};
-
-/// The pose after one cloud.
-struct OdometryResult {
-  bool is_new = false;  ///< false when the cloud was refused (see quality.reason); all else is then as before it
-  base::StampNs stamp_ns = 0;
-  geometry::Pose T_O_B = geometry::Pose::Identity();           ///< at the stamp, that is at the start of the sweep
-  Matrix6 covariance = Matrix6::Zero();                        ///< translation, rotation; axes of O
-  geometry::Vec3 velocity_B = geometry::Vec3::Zero();          ///< m/s, axes of B
-  geometry::Vec3 angular_velocity_B = geometry::Vec3::Zero();  ///< rad/s, axes of B
-  Quality quality;
-};
-
-/// Counts since construction. A refused cloud is not among `clouds`, while a refused sample is among `imu_samples`.
-struct OdometryCounters {
-  std::uint64_t clouds = 0, clouds_refused = 0, coasted = 0, map_restarts = 0, clock_jumps = 0;
-  std::uint64_t points_refused = 0, imu_samples = 0, imu_refused = 0, imu_clock_jumps = 0;
-  std::uint64_t scans_without_imu = 0;
+/// Who tells clouds of the present clock from those with a mistaken stamp.
+enum class StampChecks : std::uint8_t {
+  kOwn,      ///< the odometry: a clock that was set anew is believed at its third cloud
+  kByCaller  ///< whoever adds them: a fall by more than a second is another clock at once
 };
 
 /// LiDAR-inertial odometry: each cloud is deskewed, registered against a bounded local map and added to it.
-/// Frame O starts at the first position of the body with heading zero, and upright when the IMU shows where up is.
+/// Frame O starts at the first position of the body with heading zero, and upright when the IMU shows where up is. When
+/// it shows it later, level() can turn the frame upright then.
 /// When a registration cannot be trusted the pose follows the prediction, the covariance grows and the state says so,
 /// so that the pose never jumps to a place for which nothing speaks. Not thread-safe; deterministic.
 /// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III; docs/maths/odometry.md has the formulas and the differences.
@@ -91,17 +30,19 @@ class LidarOdometry {
  public:
   /// @param T_B_L  pose of the LiDAR in the body frame, in whose axes IMU samples are given
   /// @throws base::ConfigError
-  explicit LidarOdometry(const LidarOdometryConfig& config, const geometry::Pose& T_B_L = geometry::Pose::Identity());
+  explicit LidarOdometry(const LidarOdometryConfig& config, const geometry::Pose& T_B_L = geometry::Pose::Identity(),
+                         StampChecks checks = StampChecks::kOwn);
   ~LidarOdometry();
   LidarOdometry(LidarOdometry&&) noexcept;
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
   /// Adds a sample. One that is not finite, not newer than the last, or alone on another clock is refused and counted.
-  void add_imu(const ImuSample& sample);
+  /// @return whether it was taken
+  bool add_imu(const ImuSample& sample);
 
   /// Finds the pose at which a cloud was taken.
-  /// @param stamp_ns  start of the sweep. Stamps must grow: an older one is refused, and one that is older by more than
-  ///                  a second is taken for a clock that was set anew
+  /// @param stamp_ns  start of the sweep. Stamps must grow: an older one is refused, and so is one that is more than a
+  ///                  second older or ten seconds newer, until those after it show that the clock was set anew
   /// @param points_L  points in frame L, not deskewed; those that are not finite are dropped and counted
   /// @param times_s   time of each point after the stamp; empty when all points were taken at the stamp
   /// @throws std::invalid_argument when times_s has another length than points_L
@@ -111,6 +52,20 @@ class LidarOdometry {
 
   /// Finds the pose at which a sweep of cloud::read_sweep() was taken, as add_cloud() does.
   OdometryResult add_sweep(const cloud::Sweep& sweep);
+
+  /// Whether the z axis of frame O points up, as the IMU has shown.
+  bool is_level() const;
+  /// Turns frame O upright around its origin, once IMU and motion since the first cloud show where up is (after two
+  /// seconds of both, or less when `is_end` says that there will be no more).
+  /// @return T_new_O, the turn of the frame, by which the caller moves what is given in it; nothing when the frame is
+  ///         level already, or up is not known yet
+  std::optional<geometry::Pose> level(bool is_end = false);
+  /// Between the z axis of frame O and up as the IMU shows it over all of the flight [rad]; nothing when it does not.
+  std::optional<double> tilt_rad() const;
+  /// What became of the stamps of IMU samples.
+  const base::StampCounts& imu_stamps() const;
+  /// What is wrong with the IMU samples and the frame, in sentences for people; empty when all is well.
+  std::vector<std::string> problems() const;
 
   /// Forgets map, motion and IMU; the next cloud starts at T_O_B.
   void reset(const geometry::Pose& T_O_B = geometry::Pose::Identity());

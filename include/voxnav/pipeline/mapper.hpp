@@ -48,6 +48,9 @@ class Mapper {
                   const SweepLocator* locator = nullptr);
   ~Mapper();
 
+  /// Announces IMU samples: sweeps wait, up to 30 of them, until these have shown the direction of gravity. The map is
+  /// then level from its beginning, even if the first samples come later than the first sweeps.
+  void expect_imu();
   /// Adds a sample for the mapper's own LiDAR odometry.
   void add_imu(const odometry::ImuSample& sample);
   /// @return false for a pose that is refused: late, alone on another clock, or not rigid
@@ -85,6 +88,8 @@ class Mapper {
   const occupancy::LocalMap& map() const;
   /// The stamp of the newest sweep in the map; nothing before the first.
   std::optional<base::StampNs> newest_stamp_ns() const;
+  /// What is wrong with the IMU samples and the frame of the mapper's own odometry, in sentences for people.
+  std::vector<std::string> odometry_problems() const;
   /// The mapper's own odometry, if it has one.
   const odometry::LidarOdometry* odometry() const;
 

@@ -75,6 +75,8 @@ class PoseLocator final : public SweepLocator {
   void set_max_gap(std::optional<base::StampNs> max_gap_ns);
   /// @return false for a pose that is refused: late, alone on another clock, or not rigid
   bool add(base::StampNs stamp_ns, const geometry::Pose& T_O_B);
+  /// Gives all poses in another frame.
+  void move_frame(const geometry::Pose& T_new_O);
   SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const override;
 
  private:

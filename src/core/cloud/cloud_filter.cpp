@@ -159,7 +159,7 @@ void CloudFilter::pass(const RawCloudView& cloud, FilterResult* result) {
 template <class Reader, bool kMayHaveGhosts>
 void CloudFilter::pass_rows(const RawCloudView& cloud, FilterResult* result) {
   const Reader read(cloud.access());
-  TimeReader time(cloud.access(), cloud.stamp_ns());
+  TimeReader time(cloud.access(), cloud_times_);
   FilterCounts& counts = result->counts;
   const Limits limits = limits_;
   const std::uint32_t used_columns = (cloud.width() - first_column_ + column_step_ - 1) / column_step_;
@@ -256,6 +256,7 @@ void CloudFilter::remove_outliers(FilterResult* result) {
 
 void CloudFilter::apply(const RawCloudView& cloud, FilterResult* result) {
   begin(cloud, result);
+  cloud_times_ = times_.judge(cloud);
   if (cloud.num_points() == 0) {
     result->points.clear();
   } else {

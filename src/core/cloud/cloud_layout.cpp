@@ -2,6 +2,7 @@
 #include "voxnav/cloud/cloud_layout.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <stdexcept>
 
@@ -46,7 +47,7 @@ std::string size_problem(const CloudLayout& layout, std::size_t data_size) {
   const std::string shape = std::to_string(layout.height) + " x " + std::to_string(layout.width) + " points";
   if (layout.num_points() > kMaxPoints) return shape + " are more than " + std::to_string(kMaxPoints);
   const std::uint64_t packed_row = static_cast<std::uint64_t>(layout.width) * layout.point_step;
-  const std::uint64_t row = layout.row_step == 0 ? packed_row : layout.row_step;
+  const std::uint64_t row = layout.bytes_per_row(data_size);
   if (row < packed_row && layout.height > 1) {
     return "row_step " + std::to_string(row) + " is shorter than " + std::to_string(layout.width) + " points of " +
            std::to_string(layout.point_step) + " bytes";
@@ -59,17 +60,19 @@ std::string size_problem(const CloudLayout& layout, std::size_t data_size) {
 
 FieldAccess access_of(const CloudField& field) { return {field.offset, field.type}; }
 
-void resolve_time(const CloudLayout& layout, CloudAccess* access) {
-  for (const char* name : {"t", "time", "timestamp", "time_stamp", "offset_time"}) {
-    const CloudField* field = layout.find(name);
-    if (!field) continue;
-    access->time = access_of(*field);
-    const bool is_float = field->type == FieldType::kFloat32 || field->type == FieldType::kFloat64;
-    if (!is_float) return;  // integers are nanoseconds in every driver known
-    const bool is_absolute = field->type == FieldType::kFloat64 && std::string(name).rfind("time", 0) == 0;
-    access->time_unit = is_absolute ? TimeUnit::kSecondsAbsolute : TimeUnit::kSecondsAfterStamp;
-    return;
+bool mentions_time(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name.find("time") != std::string::npos || name.find("stamp") != std::string::npos;
+}
+
+/// By the names of known drivers first, then by any name that speaks of time.
+const CloudField* find_time(const CloudLayout& layout) {
+  for (const char* name : {"t", "time", "timestamp", "time_stamp", "offset_time", "time_offset", "time_offset_ns"}) {
+    if (const CloudField* field = layout.find(name)) return field;
   }
+  const auto it = std::find_if(layout.fields.begin(), layout.fields.end(),
+                               [](const CloudField& field) { return mentions_time(field.name); });
+  return it == layout.fields.end() ? nullptr : &*it;
 }
 
 /// All three, as numbers with a fraction, or none.
@@ -89,7 +92,7 @@ CloudAccess resolve(const CloudLayout& layout) {
   for (const char* name : {"reflectivity", "intensity"}) {
     if (const CloudField* field = layout.find(name)) access.intensity = access_of(*field);
   }
-  resolve_time(layout, &access);
+  if (const CloudField* time = find_time(layout)) access.time = TimeField{time->name, access_of(*time)};
   resolve_beam(layout, &access);
   return access;
 }
@@ -97,14 +100,14 @@ CloudAccess resolve(const CloudLayout& layout) {
 }  // namespace
 
 std::size_t size_of(FieldType type) {
-  constexpr std::size_t kSizes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
+  constexpr std::size_t kSizes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
   const auto index = static_cast<std::size_t>(type);
   return index < std::size(kSizes) ? kSizes[index] : 0;
 }
 
 const char* name_of(FieldType type) {
-  constexpr const char* kNames[] = {"unknown", "int8",   "uint8",   "int16",  "uint16",
-                                    "int32",   "uint32", "float32", "float64"};
+  constexpr const char* kNames[] = {"unknown", "int8",    "uint8",   "int16", "uint16", "int32",
+                                    "uint32",  "float32", "float64", "int64", "uint64"};
   const auto index = static_cast<std::size_t>(type);
   return kNames[index < std::size(kNames) ? index : 0];
 }
@@ -112,6 +115,15 @@ const char* name_of(FieldType type) {
 const CloudField* CloudLayout::find(const std::string& name) const {
   const auto it = std::find_if(fields.begin(), fields.end(), [&](const CloudField& f) { return f.name == name; });
   return it == fields.end() ? nullptr : &*it;
+}
+
+std::uint64_t CloudLayout::bytes_per_row(std::size_t data_size) const {
+  const std::uint64_t packed_row = static_cast<std::uint64_t>(width) * point_step;
+  const std::uint64_t packed = packed_row * height;
+  const std::uint64_t needed = (height - std::uint64_t{1}) * row_step + packed_row;
+  // A buffer that holds the cloud once but not a step of that length for each row has packed rows.
+  const bool is_whole_cloud = height > 1 && row_step == packed && data_size >= packed && data_size < needed;
+  return row_step == 0 || is_whole_cloud ? packed_row : row_step;
 }
 
 std::string CloudLayout::problem(std::size_t data_size) const {
@@ -135,7 +147,7 @@ RawCloudView::RawCloudView(const CloudLayout& layout, const std::uint8_t* data, 
     : height_(layout.height),
       width_(layout.width),
       point_step_(layout.point_step),
-      row_step_(layout.row_step == 0 ? std::size_t{layout.width} * layout.point_step : layout.row_step),
+      row_step_(layout.bytes_per_row(data_size)),
       stamp_ns_(stamp_ns),
       data_(data) {
   std::string problem = layout.problem(data_size);
@@ -163,6 +175,10 @@ double read_number(const std::uint8_t* point, const FieldAccess& field) {
       return load<float>(bytes);
     case FieldType::kFloat64:
       return load<double>(bytes);
+    case FieldType::kInt64:
+      return load<std::int64_t>(bytes);
+    case FieldType::kUint64:
+      return load<std::uint64_t>(bytes);
   }
   return 0.0;  // not reached: RawCloudView refuses unknown types
 }

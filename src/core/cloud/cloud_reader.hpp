@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "voxnav/cloud/cloud_layout.hpp"
+#include "cloud/time_sample.hpp"
+#include "voxnav/cloud/point_times.hpp"
 
 namespace voxnav::cloud {
 
@@ -54,33 +55,31 @@ struct AnyReader {
 /// Point times as nanoseconds after the cloud's stamp, with the least of them.
 class TimeReader {
  public:
-  /// No LiDAR sweeps slower than this; larger offsets are another clock or garbage.
-  static constexpr std::int64_t kMaxOffsetNs = 1'000'000'000;
-
-  TimeReader(const CloudAccess& access, base::StampNs stamp_ns) : access_(access), stamp_ns_(stamp_ns) {
-    is_uint32_ = access.time && access.time->type == FieldType::kUint32;
-    offset_ = access.time ? access.time->offset : 0;
+  TimeReader(const CloudAccess& access, const CloudTimes& times) : times_(times), last_ns_(0) {
+    if (!access.time || times.tick_ns == 0.0) return;
+    is_used_ = true;
+    field_ = access.time->access;
+    // Ouster's way, which most sensors follow: the numbers are the offsets themselves.
+    is_direct_ = field_.type == FieldType::kUint32 && times.tick_ns == 1.0 && times.zero == 0.0 && times.first_ns <= 0;
+    if (is_direct_) last_ns_ = static_cast<std::uint32_t>(times.last_ns);
   }
   /// Offset of one point; two's complement when negative (fixed by the caller with min_ns()).
   std::uint32_t operator()(const std::uint8_t* point) {
-    if (is_uint32_) {
+    if (is_direct_) {
       std::uint32_t value;
-      std::memcpy(&value, point + offset_, sizeof(value));
-      if (value <= kMaxOffsetNs) return value;
-      ++num_bad_;
-      return 0;
+      std::memcpy(&value, point + field_.offset, sizeof(value));
+      if (value <= last_ns_) return value;
     }
-    return access_.time ? slow(point) : 0;
+    return is_used_ ? slow(point) : 0;
   }
   std::int64_t min_ns() const { return min_ns_; }
   std::uint64_t num_bad() const { return num_bad_; }
 
  private:
   std::uint32_t slow(const std::uint8_t* point) {
-    double ns = read_number(point, *access_.time);
-    if (access_.time_unit == TimeUnit::kSecondsAbsolute) ns -= static_cast<double>(stamp_ns_) * 1e-9;
-    if (access_.time_unit != TimeUnit::kNanosecondsAfterStamp) ns *= 1e9;
-    if (!(std::abs(ns) <= static_cast<double>(kMaxOffsetNs))) {
+    const double ns = difference(read_number(point, field_), times_.zero, field_.type) * times_.tick_ns;
+    const bool is_of_sweep = ns >= static_cast<double>(times_.first_ns) && ns <= static_cast<double>(times_.last_ns);
+    if (!is_of_sweep) {
       ++num_bad_;
       return 0;
     }
@@ -89,10 +88,10 @@ class TimeReader {
     return static_cast<std::uint32_t>(offset);
   }
 
-  CloudAccess access_;
-  base::StampNs stamp_ns_;
-  bool is_uint32_ = false;
-  std::uint32_t offset_ = 0;
+  CloudTimes times_;
+  FieldAccess field_;
+  bool is_used_ = false, is_direct_ = false;
+  std::uint32_t last_ns_;
   std::int64_t min_ns_ = 0;
   std::uint64_t num_bad_ = 0;
 };

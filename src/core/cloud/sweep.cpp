@@ -22,9 +22,9 @@ Vec3f beam_of(const std::uint8_t* point, const std::array<FieldAccess, 3>& beam)
 }
 
 template <class Reader>
-void read_all(const RawCloudView& cloud, Sweep* out) {
+void read_all(const RawCloudView& cloud, const CloudTimes& times, Sweep* out) {
   const Reader read(cloud.access());
-  TimeReader time(cloud.access(), cloud.stamp_ns());
+  TimeReader time(cloud.access(), times);
   for (std::uint32_t r = 0; r < cloud.height(); ++r) {
     const std::uint8_t* p = cloud.row(r);
     for (std::uint32_t c = 0; c < cloud.width(); ++c, p += cloud.point_step()) {
@@ -58,10 +58,12 @@ Sweep read_sweep(const RawCloudView& cloud) {
   if (cloud.num_points() == 0) return out;
   out.points.reserve(cloud.num_points());
   out.time_offsets_ns.reserve(cloud.num_points());
+  const auto filtered = times_of_filtered(cloud);
+  const CloudTimes times = filtered ? *filtered : PointTimes().judge(cloud);
   if (Float32Reader::can_read(cloud.access())) {
-    read_all<Float32Reader>(cloud, &out);
+    read_all<Float32Reader>(cloud, times, &out);
   } else {
-    read_all<AnyReader>(cloud, &out);
+    read_all<AnyReader>(cloud, times, &out);
   }
   return out;
 }

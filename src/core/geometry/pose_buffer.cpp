@@ -6,18 +6,34 @@
 namespace voxnav::geometry {
 
 bool PoseBuffer::add(base::StampNs stamp_ns, const Pose& pose) {
-  using Verdict = base::ClockWatch::Verdict;
   if (!is_valid(pose)) return false;
-  const Verdict verdict = clock_.add(stamp_ns);
-  if (verdict == Verdict::kLate || verdict == Verdict::kStray) return false;
-  if (verdict == Verdict::kNewClock) poses_.clear();
-  poses_.push_back({stamp_ns, pose});
+  const base::StampVerdict verdict = clock_.add(stamp_ns);
+  if (verdict == base::StampVerdict::kStray) {
+    strays_.push_back({stamp_ns, pose});
+    if (strays_.size() >= static_cast<std::size_t>(kLimits.num_confirming)) strays_.erase(strays_.begin());
+    return false;
+  }
+  if (verdict == base::StampVerdict::kNewClock) take_strays();
+  strays_.clear();
+  const bool is_taken = verdict == base::StampVerdict::kNext || verdict == base::StampVerdict::kNewClock;
+  if (is_taken) push({stamp_ns, pose});
+  return is_taken;
+}
+
+void PoseBuffer::push(const StampedPose& pose) {
+  poses_.push_back(pose);
   if (poses_.size() > kMaxPoses) poses_.pop_front();
-  return true;
+}
+
+/// The clock has jumped, ahead or back, and those that were alone on it until now are confirmed.
+void PoseBuffer::take_strays() {
+  while (!poses_.empty() && poses_.back().stamp_ns >= strays_.front().stamp_ns) poses_.pop_back();
+  for (const StampedPose& pose : strays_) push(pose);
 }
 
 void PoseBuffer::clear() {
   poses_.clear();
+  strays_.clear();
   clock_.reset();
 }
 
@@ -32,6 +48,11 @@ std::optional<base::StampNs> PoseBuffer::gap_around(base::StampNs stamp_ns) cons
     return std::nullopt;
   const base::StampNs apart_ns = after->stamp_ns - std::prev(after)->stamp_ns;
   return apart_ns > *max_gap_ns_ ? std::optional(apart_ns) : std::nullopt;
+}
+
+void PoseBuffer::move_frame(const Pose& T_new_old) {
+  for (StampedPose& stamped : poses_) stamped.pose = T_new_old * stamped.pose;
+  for (StampedPose& stamped : strays_) stamped.pose = T_new_old * stamped.pose;
 }
 
 std::optional<Pose> PoseBuffer::at(base::StampNs stamp_ns) const {

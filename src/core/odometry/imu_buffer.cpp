@@ -31,9 +31,9 @@ Vec3 log_so3(const Eigen::Quaterniond& q) {
 ImuBuffer::AddResult ImuBuffer::add(const ImuSample& sample) {
   if (!sample.gyro_radps.allFinite() || !sample.accel_mps2.allFinite()) return AddResult::kNotFinite;
   const auto verdict = clock_.add(sample.stamp_ns);
-  if (verdict == base::ClockWatch::Verdict::kLate) return AddResult::kNotNewer;
-  if (verdict == base::ClockWatch::Verdict::kStray) return AddResult::kOtherClock;
-  const bool is_new_clock = verdict == base::ClockWatch::Verdict::kNewClock;
+  if (verdict == base::StampVerdict::kLate || verdict == base::StampVerdict::kRepeated) return AddResult::kNotNewer;
+  if (verdict == base::StampVerdict::kStray) return AddResult::kOtherClock;
+  const bool is_new_clock = verdict == base::StampVerdict::kNewClock;
   if (is_new_clock) samples_.clear();
   samples_.push_back(sample);
   if (samples_.size() > kMaxSamples) samples_.pop_front();
@@ -81,16 +81,19 @@ std::optional<Eigen::Quaterniond> ImuBuffer::rotation(base::StampNs from_ns, bas
   return total.normalized();
 }
 
-std::optional<Vec3> ImuBuffer::mean_acceleration(base::StampNs from_ns, base::StampNs to_ns) const {
-  Vec3 sum = Vec3::Zero();
+std::optional<MeanForce> ImuBuffer::mean_force(base::StampNs from_ns, base::StampNs to_ns) const {
+  MeanForce out;
   int count = 0;
   for (auto it = std::lower_bound(samples_.begin(), samples_.end(), from_ns, is_before);
        it != samples_.end() && it->stamp_ns <= to_ns; ++it) {
-    sum += it->accel_mps2;
+    out.mean += it->accel_mps2;
+    out.mean_norm += it->accel_mps2.norm();
     ++count;
   }
   if (count == 0) return std::nullopt;
-  return Vec3(sum / count);
+  out.mean /= count;
+  out.mean_norm /= count;
+  return out;
 }
 
 }  // namespace voxnav::odometry

@@ -12,32 +12,38 @@ namespace {
 using geometry::Pose;
 using geometry::Vec3;
 
-constexpr double kGravity_mps2 = 9.81;
 /// A fall of the stamps by more than this is another clock, not a late message.
 constexpr base::StampNs kClockJumpNs = 1'000'000'000;
 PointMapOptions map_options(const LidarOdometryConfig& c) {
   return {c.voxel_size_m, c.max_points_per_voxel, c.max_map_voxels};
 }
 
-/// The attitude with heading zero in which the specific force of a body at rest points straight up.
-Pose upright(const Vec3& specific_force) {
-  Pose pose = Pose::Identity();
-  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(specific_force, Vec3::UnitZ());
-  const Eigen::AngleAxisd unturn(-geometry::yaw_of(Pose(q)), Vec3::UnitZ());
-  pose.linear() = (unturn * q).toRotationMatrix();
-  return pose;
+/// A stamp farther ahead than this is not believed at once.
+constexpr base::StampNs kMaxLeadNs = 10'000'000'000;
+constexpr int kNumConfirming = 3;
+
+base::ClockWatch::Limits stamp_limits(StampChecks checks) {
+  if (checks == StampChecks::kByCaller) return {kClockJumpNs, std::nullopt, 1};
+  return {kClockJumpNs, kMaxLeadNs, kNumConfirming};
 }
 
 }  // namespace
 
-LidarOdometry::Impl::Impl(const LidarOdometryConfig& config, const Pose& T_B_L)
-    : config_(config), T_B_L_(T_B_L), map_(map_options(config)), sigma_m_(config.initial_threshold_m) {}
+LidarOdometry::Impl::Impl(const LidarOdometryConfig& config, const Pose& T_B_L, StampChecks checks)
+    : config_(config),
+      T_B_L_(T_B_L),
+      map_(map_options(config)),
+      clock_(stamp_limits(checks)),
+      sigma_m_(config.initial_threshold_m) {}
 
-void LidarOdometry::Impl::add_imu(const ImuSample& sample) {
+bool LidarOdometry::Impl::add_imu(const ImuSample& sample) {
   ++counters_.imu_samples;
   const ImuBuffer::AddResult result = imu_.add(sample);
-  if (result == ImuBuffer::AddResult::kAdded) return;
-  result == ImuBuffer::AddResult::kAddedOnNewClock ? ++counters_.imu_clock_jumps : ++counters_.imu_refused;
+  if (result == ImuBuffer::AddResult::kAdded) return true;
+  if (result == ImuBuffer::AddResult::kNotFinite) ++counters_.imu_not_finite;
+  const bool is_new_clock = result == ImuBuffer::AddResult::kAddedOnNewClock;
+  is_new_clock ? ++counters_.imu_clock_jumps : ++counters_.imu_refused;
+  return is_new_clock;
 }
 
 void LidarOdometry::Impl::reset(const Pose& T_O_B) {
@@ -55,37 +61,48 @@ void LidarOdometry::Impl::reset(const Pose& T_O_B) {
   lost_covariance_.setZero();
   quality_ = Quality();
   last_ = OdometryResult();
+  clock_.reset();
+  gravity_.clear();
+  is_level_ = false;
 }
 
 bool LidarOdometry::Impl::refuse_time(base::StampNs stamp_ns, OdometryResult* refused) {
-  if (!has_time_ || stamp_ns > last_.stamp_ns) return false;
-  if (last_.stamp_ns - stamp_ns > kClockJumpNs) {
-    // The new clock does not tell how much time has passed, so that the pose stays and the motion is unknown.
-    ++counters_.clock_jumps;
-    imu_.clear();
-    has_velocity_ = has_time_ = false;
-    observed_T_O_B_.reset();
-    velocity_O_.setZero();
-    angular_velocity_B_.setZero();
-    sigma_m_ = config_.initial_threshold_m;
+  const base::StampVerdict verdict = clock_.add(stamp_ns);
+  if (verdict == base::StampVerdict::kNext) return false;
+  if (verdict == base::StampVerdict::kNewClock) {
+    if (stamp_ns < last_.stamp_ns) follow_new_clock();
     return false;
   }
   ++counters_.clouds_refused;
   *refused = last_;
   refused->is_new = false;
-  refused->quality.reason_kind = OdometryReason::kOldStamp;
-  refused->quality.reason = "cloud refused: its stamp is not newer than the previous one";
+  const bool is_stray = verdict == base::StampVerdict::kStray;
+  refused->quality.reason_kind = is_stray ? OdometryReason::kStrayStamp : OdometryReason::kOldStamp;
+  refused->quality.reason = is_stray ? "cloud refused: its stamp is on another clock than those before"
+                                     : "cloud refused: its stamp is not newer than the previous one";
   return true;
+}
+
+/// The new clock does not tell how much time has passed, so that the pose stays and the motion is unknown.
+void LidarOdometry::Impl::follow_new_clock() {
+  ++counters_.clock_jumps;
+  imu_.clear();
+  has_velocity_ = has_time_ = false;
+  observed_T_O_B_.reset();
+  velocity_O_.setZero();
+  angular_velocity_B_.setZero();
+  sigma_m_ = config_.initial_threshold_m;
 }
 
 /// Before the first cloud: takes roll and pitch from the IMU if the specific force is that of a vehicle at rest or in
 /// hover.
 void LidarOdometry::Impl::begin(base::StampNs start_ns, base::StampNs end_ns) {
   if (!config_.use_imu) return;
-  const auto force = imu_.mean_acceleration(start_ns - kClockJumpNs, end_ns);
-  if (!force || std::abs(force->norm() - kGravity_mps2) > 1.5) return;
-  const Pose level = upright(*force);
-  T_O_B_.linear() = Eigen::AngleAxisd(geometry::yaw_of(T_O_B_), Vec3::UnitZ()) * level.linear();
+  const auto force = imu_.mean_force(start_ns - kClockJumpNs, end_ns);
+  const auto up_B = force ? Gravity::up_at_rest(*force) : std::nullopt;
+  if (!up_B) return;
+  T_O_B_.linear() = Eigen::AngleAxisd(geometry::yaw_of(T_O_B_), Vec3::UnitZ()) * levelling(*up_B);
+  is_level_ = true;
 }
 
 void LidarOdometry::Impl::fill_result(const Sweep& sweep, bool has_imu) {
@@ -131,7 +148,9 @@ OdometryResult LidarOdometry::Impl::add_cloud(base::StampNs stamp_ns, const std:
   if (config_.use_imu && !prediction.has_imu) ++counters_.scans_without_imu;
   prepare_points(sweep, points_L, times_s, prediction);
   quality_ = Quality();
+  const Motion before = motion();
   map_.empty() ? begin_map() : locate(prediction);
+  weigh_gravity(before, sweep.middle_ns);
   stamp_ns_ = sweep.middle_ns;
   has_time_ = true;
   imu_.forget_before(stamp_ns - kClockJumpNs);
@@ -144,13 +163,13 @@ std::size_t LidarOdometry::Impl::memory_bytes() const {
   return map_.memory_bytes() + buffers * sizeof(Vec3f) + imu_.size() * sizeof(ImuSample);
 }
 
-LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_L)
-    : impl_(std::make_unique<Impl>(base::checked(config), T_B_L)) {}
+LidarOdometry::LidarOdometry(const LidarOdometryConfig& config, const Pose& T_B_L, StampChecks checks)
+    : impl_(std::make_unique<Impl>(base::checked(config), T_B_L, checks)) {}
 LidarOdometry::~LidarOdometry() = default;
 LidarOdometry::LidarOdometry(LidarOdometry&&) noexcept = default;
 LidarOdometry& LidarOdometry::operator=(LidarOdometry&&) noexcept = default;
 
-void LidarOdometry::add_imu(const ImuSample& sample) { impl_->add_imu(sample); }
+bool LidarOdometry::add_imu(const ImuSample& sample) { return impl_->add_imu(sample); }
 OdometryResult LidarOdometry::add_cloud(base::StampNs stamp_ns, const std::vector<Vec3f>& points_L,
                                         const std::vector<float>& times_s) {
   return impl_->add_cloud(stamp_ns, points_L, times_s);
@@ -161,6 +180,11 @@ OdometryResult LidarOdometry::add_sweep(const cloud::Sweep& sweep) {
   for (const std::uint32_t offset : sweep.time_offsets_ns) times_s.push_back(static_cast<float>(offset) * 1e-9F);
   return add_cloud(sweep.start_ns, sweep.points, times_s);
 }
+bool LidarOdometry::is_level() const { return impl_->is_level(); }
+std::optional<Pose> LidarOdometry::level(bool is_end) { return impl_->level(is_end); }
+std::optional<double> LidarOdometry::tilt_rad() const { return impl_->tilt_rad(); }
+std::vector<std::string> LidarOdometry::problems() const { return impl_->problems(); }
+const base::StampCounts& LidarOdometry::imu_stamps() const { return impl_->imu_stamps(); }
 void LidarOdometry::reset(const Pose& T_O_B) { impl_->reset(T_O_B); }
 const OdometryCounters& LidarOdometry::counters() const { return impl_->counters(); }
 const OdometryResult& LidarOdometry::last() const { return impl_->last(); }

@@ -17,12 +17,17 @@ namespace voxnav::odometry {
 /// The state of LidarOdometry between clouds, and the steps of one cloud.
 class LidarOdometry::Impl {
  public:
-  Impl(const LidarOdometryConfig& config, const geometry::Pose& T_B_L);
+  Impl(const LidarOdometryConfig& config, const geometry::Pose& T_B_L, StampChecks checks);
 
-  void add_imu(const ImuSample& sample);
+  bool add_imu(const ImuSample& sample);
   OdometryResult add_cloud(base::StampNs stamp_ns, const std::vector<geometry::Vec3f>& points_L,
                            const std::vector<float>& times_s);
   void reset(const geometry::Pose& T_O_B);
+  bool is_level() const { return is_level_; }
+  std::optional<geometry::Pose> level(bool is_end);
+  std::optional<double> tilt_rad() const;
+  std::vector<std::string> problems() const;
+  const base::StampCounts& imu_stamps() const { return imu_.stamp_counts(); }
   const OdometryCounters& counters() const { return counters_; }
   const OdometryResult& last() const { return last_; }
   const PointMap& map() const { return map_; }
@@ -40,11 +45,21 @@ class LidarOdometry::Impl {
     base::StampNs start_ns, middle_ns;
     double duration_s;
   };
+  /// The motion at an earlier cloud.
+  struct Motion {
+    base::StampNs stamp_ns;
+    geometry::Pose T_O_B;
+    geometry::Vec3 velocity_O;
+    bool is_known;
+  };
+  Motion motion() const { return {stamp_ns_, T_O_B_, velocity_O_, has_time_ && has_velocity_}; }
   static Sweep sweep_of(base::StampNs stamp_ns, const std::vector<float>& times_s);
   std::vector<Eigen::Isometry3f> poses_within(const Sweep& sweep, const Prediction& prediction) const;
   /// Returns true if a cloud cannot be used because of its stamp; `refused` then receives the result of add_cloud().
   bool refuse_time(base::StampNs stamp_ns, OdometryResult* refused);
+  void follow_new_clock();
   void begin(base::StampNs start_ns, base::StampNs end_ns);
+  void weigh_gravity(const Motion& before, base::StampNs now_ns);
   Prediction predict(base::StampNs stamp_ns) const;
   Eigen::Matrix3d rotation_from(base::StampNs stamp_ns, double t_s, bool has_imu) const;
   void prepare_points(const Sweep& sweep, const std::vector<geometry::Vec3f>& points_L,
@@ -69,6 +84,9 @@ class LidarOdometry::Impl {
   PointMap map_;
   Downsampler downsampler_;
   ImuBuffer imu_;
+  base::ClockWatch clock_;  // of the clouds
+  Gravity gravity_;
+  bool is_level_ = false;
   // Points of the present cloud: deskewed, thinned out for the map, thinned out for registration (all in frame B), and
   // as they enter the map (frame O).
   std::vector<geometry::Vec3f> deskewed_, fine_, source_, inserted_;

@@ -137,6 +137,17 @@ void PointMap::insert_point(const Vec3f& point) {
   ++voxel.count;
 }
 
+void PointMap::transform(const Eigen::Isometry3f& T_new_O) {
+  std::vector<Vec3f> moved;
+  moved.reserve(num_points());
+  for (std::uint32_t voxel = 0; voxel < voxels_.size(); ++voxel) {
+    const MapPoint* first = points_of(voxel);
+    for (std::uint32_t i = 0; i < voxels_[voxel].count; ++i) moved.push_back(T_new_O * first[i].position);
+  }
+  clear();
+  insert(moved);
+}
+
 void PointMap::keep_around(const Vec3f& center_O, double radius_m) {
   const float size = 1.0F / inverse_size_;
   const float radius_sq = static_cast<float>(radius_m * radius_m);

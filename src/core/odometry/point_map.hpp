@@ -69,6 +69,8 @@ class PointMap {
   void clear();
   /// Adds points of frame O, except where the map is already as dense as its options allow. O(points).
   void insert(const std::vector<Vec3f>& points_O);
+  /// Moves all points, as the frame in which they are given is moved. O(points).
+  void transform(const Eigen::Isometry3f& T_new_O);
   /// Removes the voxels farther away than `radius_m`. If the bound is reached nevertheless, the farthest ones go too,
   /// until three quarters of it are left.
   void keep_around(const Vec3f& center_O, double radius_m);

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/clock_watch.hpp"
 #include "pipeline/load_control.hpp"
+#include "pipeline/sweep_stamps.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/odometry/imu_gate.hpp"
 
@@ -18,6 +18,8 @@ using geometry::Pose;
 
 /// The mapper's own odometry gives one pose per sweep: one that is lost of a slow sensor leaves no gap.
 constexpr double kMaxOwnPoseGap_s = 0.5;
+/// Sweeps that may wait for the IMU to show where up is: three seconds at 10 Hz.
+constexpr std::size_t kMaxUnlevel = 30;
 
 std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
 
@@ -44,7 +46,9 @@ struct Mapper::Impl {
   void track_ready(double now_s);
   void push(Waiting waiting);
   void settle(Waiting* waiting) const;
-  bool watch_clock(base::StampNs stamp_ns, MapperStep* step);
+  void watch_clock(base::StampNs stamp_ns, MapperStep* step);
+  bool awaits_level() const;
+  void level();
   void watch_jump(const geometry::Vec3& body, MapperStep* step);
   void clear(const std::string& text, MapperStep* step);
   std::vector<Handover> clear(const std::string& reason);
@@ -60,8 +64,11 @@ struct Mapper::Impl {
   odometry::ImuGate gate;
   std::deque<Waiting> waiting;
   bool has_ended = false;
-  base::ClockWatch clock = base::ClockWatch({});
+  bool expects_imu = false;
+  SweepStamps stamps;
+  std::optional<base::StampNs> newest_ns;
   std::optional<geometry::Vec3> last_body;
+  bool mapped_any = false;
   std::optional<Mapped> mapped;  // the sweep that close_due() is still to be asked for
 };
 
@@ -75,7 +82,7 @@ Mapper::Impl::Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const S
   own_locator.set_mount(T_B_L);
   own_locator.set_max_gap(
       base::from_seconds(std::max(config.max_pose_gap_s, config.odometry ? kMaxOwnPoseGap_s : 0.0)));
-  if (config.odometry) odometry.emplace(*config.odometry, T_B_L);
+  if (config.odometry) odometry.emplace(*config.odometry, T_B_L, odometry::StampChecks::kByCaller);
 }
 
 void Mapper::Impl::track(cloud::Sweep sweep, double now_s) {
@@ -85,6 +92,22 @@ void Mapper::Impl::track(cloud::Sweep sweep, double now_s) {
   if (result.is_new && odometry->num_map_voxels() > 0)
     own_locator.add(result.stamp_ns, geometry::as_sent(result.T_O_B));
   push({std::move(sweep), std::nullopt, now_s, std::nullopt});
+  level();
+}
+
+/// Whether poses are still given in a frame that will be turned upright. Sweeps wait for that, unless too many do.
+bool Mapper::Impl::awaits_level() const {
+  return expects_imu && odometry && odometry->num_map_voxels() > 0 && !odometry->is_level() && !mapped_any &&
+         waiting.size() <= kMaxUnlevel;
+}
+
+/// Turns the frame of the odometry upright as soon as the IMU shows where up is, as long as nothing is mapped in it.
+void Mapper::Impl::level() {
+  if (!odometry || mapped_any) return;
+  const auto T_new_O = odometry->level(has_ended);
+  if (!T_new_O) return;
+  own_locator.move_frame(*T_new_O);
+  for (Waiting& item : waiting) item.poses.reset();
 }
 
 void Mapper::Impl::track_ready(double now_s) {
@@ -93,13 +116,17 @@ void Mapper::Impl::track_ready(double now_s) {
 
 void Mapper::Impl::push(Waiting item) {
   waiting.push_back(std::move(item));
-  if (waiting.size() <= static_cast<std::size_t>(config.max_pending_scans)) return;
-  for (Waiting& oldest : waiting) {
-    settle(&oldest);
-    if (oldest.poses || oldest.drop) continue;
-    oldest.drop = Drop{SweepFate::kCrowded, "more scans wait for their pose than max_pending_scans"};
-    return;
+  if (waiting.size() <= static_cast<std::size_t>(config.max_pending_scans) || awaits_level()) return;
+  Waiting* oldest = nullptr;
+  int num_without_pose = 0;
+  for (Waiting& each : waiting) {
+    settle(&each);
+    if (each.poses || each.drop) continue;
+    if (!oldest) oldest = &each;
+    ++num_without_pose;
   }
+  if (num_without_pose <= config.max_pending_scans) return;
+  oldest->drop = Drop{SweepFate::kCrowded, "more scans wait for their pose than max_pending_scans"};
 }
 
 /// Asks for the poses of a sweep that has none; gives it up when there will be none.
@@ -113,20 +140,12 @@ void Mapper::Impl::settle(Waiting* item) const {
   }
 }
 
-/// A late sweep says nothing about now, and the map has newer ones: it is left out. Only when the sweeps after it
-/// confirm that time jumped back is the map of the future forgotten.
-bool Mapper::Impl::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
-  using Verdict = base::ClockWatch::Verdict;
-  const auto newest_ns = clock.newest_ns();
-  const Verdict verdict = clock.add(stamp_ns);
-  if (verdict == Verdict::kNext) return true;
-  if (verdict == Verdict::kNewClock) {
+/// Only when time jumped back, which the sweeps after have confirmed, is the map of the future forgotten.
+void Mapper::Impl::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
+  if (newest_ns && stamp_ns < *newest_ns - kMaxStampLagNs) {
     clear("time jumped back from " + seconds(*newest_ns) + " to " + seconds(stamp_ns), step);
-    return true;
   }
-  step->fate = SweepFate::kLate;
-  step->reason = "its stamp is not newer than that of the scan before, " + seconds(*newest_ns);
-  return false;
+  newest_ns = stamp_ns;
 }
 
 void Mapper::Impl::watch_jump(const geometry::Vec3& body, MapperStep* step) {
@@ -159,6 +178,7 @@ void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperSt
       map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams));
   if (config.vehicle_radius_m > 0.0) map.mark_free(poses.T_O_B.translation(), config.vehicle_radius_m);
   step->T_O_B = poses.T_O_B;
+  mapped_any = true;
   mapped = {sweep->start_ns, poses.T_O_B};
 }
 
@@ -169,15 +189,16 @@ Mapper::~Mapper() = default;
 
 void Mapper::add_imu(const odometry::ImuSample& sample) {
   if (!impl_->odometry) return;
-  impl_->odometry->add_imu(sample);
-  impl_->gate.note_imu(sample.stamp_ns);
+  if (impl_->odometry->add_imu(sample)) impl_->gate.note_imu(sample.stamp_ns);
   impl_->track_ready(0.0);
 }
 
 bool Mapper::add_pose(base::StampNs stamp_ns, const Pose& T_O_B) { return impl_->own_locator.add(stamp_ns, T_O_B); }
 
 void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& poses, double now_s) {
-  if (poses || !impl_->odometry) {
+  if (const auto problem = impl_->stamps.refuse(sweep.start_ns, poses.has_value())) {
+    impl_->push({std::move(sweep), std::nullopt, now_s, Impl::Drop{SweepFate::kLate, *problem}});
+  } else if (poses || !impl_->odometry) {
     impl_->push({std::move(sweep), poses, now_s, std::nullopt});
   } else {
     impl_->gate.add(std::move(sweep), 0.0);
@@ -197,13 +218,17 @@ void Mapper::drop_overdue(double now_s, double timeout_s) {
 void Mapper::end_input() {
   impl_->has_ended = true;
   while (auto sweep = impl_->gate.take_oldest()) impl_->track(std::move(*sweep), 0.0);
+  impl_->level();
 }
+
+void Mapper::expect_imu() { impl_->expects_imu = impl_->config.odometry && impl_->config.odometry->use_imu; }
 
 bool Mapper::is_waiting_for_imu() const { return !impl_->gate.empty(); }
 
 bool Mapper::has_next() {
   if (impl_->waiting.empty()) return false;
   Impl::Waiting& oldest = impl_->waiting.front();
+  if (!impl_->has_ended && !oldest.drop && impl_->awaits_level()) return false;
   impl_->settle(&oldest);
   return oldest.poses || oldest.drop;
 }
@@ -218,7 +243,8 @@ MapperStep Mapper::next() {
   if (oldest.drop) {
     step.fate = oldest.drop->fate;
     step.reason = oldest.drop->reason;
-  } else if (impl_->watch_clock(oldest.sweep.start_ns, &step)) {
+  } else {
+    impl_->watch_clock(oldest.sweep.start_ns, &step);
     impl_->watch_jump(oldest.poses->T_O_B.translation(), &step);
     impl_->insert(&oldest.sweep, *oldest.poses, &step);
   }
@@ -245,7 +271,11 @@ occupancy::LocalMap& Mapper::map() { return impl_->map; }
 
 const occupancy::LocalMap& Mapper::map() const { return impl_->map; }
 
-std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->clock.newest_ns(); }
+std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->newest_ns; }
+
+std::vector<std::string> Mapper::odometry_problems() const {
+  return impl_->odometry ? impl_->odometry->problems() : std::vector<std::string>();
+}
 
 const odometry::LidarOdometry* Mapper::odometry() const { return impl_->odometry ? &*impl_->odometry : nullptr; }
 

@@ -25,6 +25,8 @@ void PoseLocator::set_max_gap(std::optional<base::StampNs> max_gap_ns) { poses_-
 
 bool PoseLocator::add(base::StampNs stamp_ns, const geometry::Pose& T_O_B) { return poses_->add(stamp_ns, T_O_B); }
 
+void PoseLocator::move_frame(const geometry::Pose& T_new_O) { poses_->move_frame(T_new_O); }
+
 SweepLocation PoseLocator::locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const {
   SweepLocation out;
   if (!T_B_L_) {

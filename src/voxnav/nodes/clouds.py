@@ -2,6 +2,9 @@
 """PointCloud2 messages and numpy."""
 
 import numpy as np
+
+import voxnav
+from voxnav.recordings.cloud_samples import layout_of
 from sensor_msgs.msg import PointCloud2, PointField
 
 
@@ -24,6 +27,35 @@ def points_from_msg(cloud):
     rows = np.frombuffer(cloud.data, dtype=dtype, count=count)
     points = np.stack([rows["x"], rows["y"], rows["z"]], axis=1)
     return points[np.all(np.isfinite(points), axis=1)]
+
+
+_STEPS_PER_S = {voxnav.TimeUnit.S: 1, voxnav.TimeUnit.MS: 10**3, voxnav.TimeUnit.US: 10**6, voxnav.TimeUnit.NS: 10**9}
+_FLOATS = {7: "<f4", 8: "<f8"}
+_TIME_TYPES = dict(_FLOATS, **{9: "<i8", 10: "<u8"})  # of numbers that can count from the epoch of the stamps
+
+
+def shift_time(cloud, offset_ns, times):
+    """Move the stamp of a PointCloud2 by offset_ns, and its point times too where they count from the same epoch.
+
+    times: voxnav.PointTimes of the sensor, which this cloud is added to. Raises ValueError for a broken layout.
+    """
+    stamp_ns = cloud.header.stamp.to_nsec()
+    is_timed = times.judge(bytes(cloud.data), layout_of(cloud), stamp_ns)
+    moved_ns = stamp_ns + offset_ns
+    cloud.header.stamp.secs, cloud.header.stamp.nsecs = moved_ns // 10**9, moved_ns % 10**9
+    report = times.report
+    field = next((f for f in cloud.fields if f.name == report.field), None)
+    if not is_timed or report.zero != voxnav.TimeZero.ROS_TIME or not offset_ns or field is None:
+        return
+    data = bytearray(cloud.data)
+    row_step = cloud.width * cloud.point_step
+    if len(data) >= (cloud.height - 1) * cloud.row_step + row_step:  # else the rows are packed, whatever it says
+        row_step = max(row_step, cloud.row_step)
+    steps = offset_ns * _STEPS_PER_S[report.unit]
+    values = np.ndarray((cloud.height, cloud.width), _TIME_TYPES[field.datatype], data, field.offset,
+                        (row_step, cloud.point_step))
+    values += values.dtype.type(steps / 10**9 if field.datatype in _FLOATS else steps // 10**9)
+    cloud.data = bytes(data)
 
 
 def points_to_msg(points, header):

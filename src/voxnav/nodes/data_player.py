@@ -17,7 +17,8 @@ from geometry_msgs.msg import Pose, TransformStamped
 import numpy as np
 
 from voxnav.msg import Progress
-from voxnav.nodes.clouds import points_to_msg
+import voxnav
+from voxnav.nodes.clouds import points_to_msg, shift_time
 from voxnav.nodes.poses import pose_from_msg, pose_to_msg, transform_to_msg
 from voxnav.offline.datasets import Imu, Odometry
 
@@ -45,6 +46,7 @@ class DataPlayer:
         self._T_L_B = np.eye(4) if T_B_L is None else np.linalg.inv(T_B_L)
         self._first_stamp_ns, self._offset_ns = int(1e9 * first_stamp_s), None
         self._stamps = []
+        self._times = voxnav.PointTimes()
         self._progress = {}
         self._changed = threading.Condition()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -142,13 +144,21 @@ class DataPlayer:
         if scan.raw is not None:
             cloud = PointCloud2()
             cloud.deserialize(_bytes_of(scan.raw))
-            cloud.header.frame_id, cloud.header.stamp = self._sensor_frame, stamp
+            cloud.header.frame_id = self._sensor_frame
+            self._move(cloud, stamp)
         else:
             points = scan.points.reshape(-1, 4)
             cloud = points_to_msg(points, Header(stamp=stamp, frame_id=self._sensor_frame))
         self._cloud.publish(cloud)
         self._stamps.append(stamp.to_sec())
         self._await()
+
+    def _move(self, cloud, stamp):
+        """To the played time, with its point times; the nodes say what is wrong with a cloud that cannot be read."""
+        try:
+            shift_time(cloud, stamp.to_nsec() - cloud.header.stamp.to_nsec(), self._times)
+        except ValueError:
+            cloud.header.stamp = stamp
 
     @staticmethod
     def _pose_of(record):

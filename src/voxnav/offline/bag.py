@@ -29,6 +29,7 @@ class Bag:
             raise DatasetError(self.plan.error or "the recording has no clouds")
         self.T_B_L, self.origin_m = self.plan.mount.T_B_L, self.plan.origin_m
         self.has_poses = self.plan.odometry is not None
+        self.has_imu = self.plan.imu is not None
         self.num_scans = self.plan.cloud.topic.num
         self.warnings = list(self.plan.warnings)
 

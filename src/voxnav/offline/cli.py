@@ -83,6 +83,7 @@ def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
         if hasattr(record, "points"):
             done += 1
             bar.update(done)
+    mapper.end_input()
     mapper.left_out.take(dataset.left_out)
     mapper.coverage.add_lost(dataset.left_out.count("cloud", but=REPEATED))
     mapper.warnings += dataset.warnings
@@ -100,6 +101,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         stamps, poses = files.read_tum(args.reference)
         reference = (stamps, poses[:, :3, 3])
     mapper = OfflineMapper(configs, T_B_L, dataset.has_poses)
+    if dataset.has_imu:
+        mapper.expect_imu()
     mapper.origin_m = dataset.origin_m
     if isinstance(dataset, Bag):
         mapper.page = page(dataset.plan, args.bag)

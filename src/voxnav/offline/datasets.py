@@ -2,9 +2,9 @@
 """Recordings as one stream: folders of raw scans, and rosbags.
 
 A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep, and
-knows ``num_scans`` for the progress bar, and whether it ``has_poses``. ``warnings`` lists what was wrong with the
-recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was subtracted from
-its positions, None where nothing was.
+knows ``num_scans`` for the progress bar, and whether it ``has_poses`` and ``has_imu``. ``warnings`` lists what was wrong
+with the recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was
+subtracted from its positions, None where nothing was.
 """
 
 from __future__ import annotations
@@ -70,6 +70,7 @@ class ScanFolder:
         self._poses = self._poses_at(poses) if poses else [None] * len(self._names)
         self.num_scans = len(self._names)
         self.has_poses = poses is not None
+        self.has_imu = False
 
     def _read_times(self, path: str) -> Array:
         if not os.path.exists(path):

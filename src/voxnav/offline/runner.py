@@ -79,6 +79,7 @@ class OfflineMapper:
         self.mapper = voxnav.Mapper(self._mapper_config(configs), T_B_L)
         self.session = OptimizerSession(configs["graph"], configs["optimizer"])
         self.collection = voxnav.SubmapCollection(configs["collection"])
+        self._has_ended = False
         self.stages = Stages()
         self.warnings: list[str] = []
         self.memory: list[dict[str, float]] = []
@@ -109,13 +110,27 @@ class OfflineMapper:
             self._add_scan(record)
         self._map_ready()
 
-    def finish(self) -> voxnav.OptimizeReport:
-        """Closes the open submap and solves once more, with all submaps."""
+    def expect_imu(self) -> None:
+        """The recording has an IMU: scans wait until it has shown where up is, for LiDAR odometry."""
+        self.mapper.expect_imu()
+
+    def end_input(self) -> None:
+        """Maps the scans that still wait, for there will be nothing more."""
+        if self._has_ended:
+            return
+        self._has_ended = True
         self.gaps.end()
         self.mapper.end_input()
         self._map_ready()
+
+    def finish(self) -> voxnav.OptimizeReport:
+        """Closes the open submap and solves once more, with all submaps."""
+        self.end_input()
         for handover in self.mapper.finish():
             self._take(handover)
+        for problem in [self.filter.point_times.problem] + self.mapper.odometry_problems:
+            if problem:
+                self._warn(problem)
         with self.stages.time("graph, final solve"):
             report = self.session.optimize(full=True)
         self.counts["solves"] += 1

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/clock_watch.hpp"
+#include "voxnav/base/clock_watch.hpp"
 
 namespace {
 
 using voxnav::base::ClockWatch;
 using voxnav::base::from_seconds;
 using voxnav::base::StampNs;
-using Verdict = ClockWatch::Verdict;
+using Verdict = voxnav::base::StampVerdict;
 
 constexpr double kHour_s = 3600.0;
 
@@ -21,7 +21,7 @@ TEST(ClockWatch, TakesRisingStampsAndRefusesLateOnes) {
   ClockWatch watch = strict();
   EXPECT_EQ(add(&watch, 100.0), Verdict::kNext);
   EXPECT_EQ(add(&watch, 100.1), Verdict::kNext);
-  EXPECT_EQ(add(&watch, 100.1), Verdict::kLate);
+  EXPECT_EQ(add(&watch, 100.1), Verdict::kRepeated);
   EXPECT_EQ(add(&watch, 99.5), Verdict::kLate);
   EXPECT_EQ(add(&watch, 100.2), Verdict::kNext);
 }
@@ -69,10 +69,51 @@ TEST(ClockWatch, StrayStampsThatDoNotFollowEachOtherConfirmNothing) {
   EXPECT_EQ(add(&watch, 20.3), Verdict::kStray);
 }
 
+TEST(ClockWatch, ASourceSlowerThanTheLimitIsBelievedInThrees) {
+  ClockWatch watch = strict();
+  add(&watch, 100.0);
+  for (const double stamp_s : {105.0, 120.0}) {
+    EXPECT_EQ(add(&watch, stamp_s), Verdict::kStray);
+    EXPECT_EQ(add(&watch, stamp_s + 5.0), Verdict::kStray);
+    EXPECT_EQ(add(&watch, stamp_s + 10.0), Verdict::kNewClock);
+  }
+}
+
 TEST(ClockWatch, WithoutALimitAheadEveryGapIsBelieved) {
   ClockWatch watch({from_seconds(1.0), std::nullopt, 3});
   add(&watch, 100.0);
   EXPECT_EQ(add(&watch, 100.0 + kHour_s), Verdict::kNext);
+}
+
+TEST(ClockWatch, CountsWhatItSaw) {
+  ClockWatch watch = strict();
+  EXPECT_EQ(voxnav::base::describe(watch.counts()), "");
+  for (const double stamp_s : {100.0, 100.1, 100.1, 100.05, kHour_s, 100.2, 5.0, 5.1, 5.2}) add(&watch, stamp_s);
+  const voxnav::base::StampCounts& counts = watch.counts();
+  EXPECT_EQ(counts.next, 3u);
+  EXPECT_EQ(counts.repeated, 1u);
+  EXPECT_EQ(counts.late, 1u);
+  EXPECT_EQ(counts.stray, 3u);
+  EXPECT_EQ(counts.new_clocks, 1u);
+  EXPECT_EQ(counts.stuck_clocks, 0u);
+  EXPECT_EQ(voxnav::base::describe(counts),
+            "1 repeated, 1 late, 3 alone on another clock, 1 from which on the clock was another");
+}
+
+TEST(ClockWatch, AClockThatStandsStillIsStuckOnceForEachTime) {
+  ClockWatch watch = strict();
+  for (int time = 0; time < 2; ++time) {
+    for (int i = 0; i < 25; ++i) {
+      add(&watch, 100.0 + time);
+      EXPECT_EQ(watch.is_stuck(), i >= 9);
+    }
+  }
+  EXPECT_EQ(add(&watch, 101.1), Verdict::kNext);
+  EXPECT_FALSE(watch.is_stuck());
+  EXPECT_EQ(watch.counts().stuck_clocks, 2u);
+  EXPECT_EQ(watch.counts().longest_repeat, 24u);
+  EXPECT_NE(voxnav::base::describe(watch.counts()).find("stood still 2 times, for up to 25 messages"),
+            std::string::npos);
 }
 
 TEST(ClockWatch, ResetForgetsTheClock) {

@@ -38,8 +38,8 @@ TEST(CloudLayout, NamesAWrongType) {
   RawCloud c(1, 2, 16, test::xyzi_fields());
   c.layout.fields[1].type = FieldType::kInt16;
   EXPECT_EQ(problem_of(c), "field 'y' is int16, must be float32 or float64");
-  c.layout.fields[1].type = static_cast<FieldType>(9);
-  EXPECT_EQ(problem_of(c), "field 'y' has unknown datatype 9");
+  c.layout.fields[1].type = static_cast<FieldType>(11);
+  EXPECT_EQ(problem_of(c), "field 'y' has unknown datatype 11");
 }
 
 TEST(CloudLayout, RefusesSizesThatDoNotFit) {

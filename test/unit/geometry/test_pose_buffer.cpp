@@ -68,6 +68,26 @@ TEST(PoseBuffer, DoesNotInterpolateOverAGap) {
   EXPECT_TRUE(buffer.at(base::from_seconds(1.5)));
 }
 
+TEST(PoseBuffer, AJumpOfTheClockLosesNoPose) {
+  for (const double jump_s : {3600.0, -50.0, 5.0}) {
+    PoseBuffer buffer;
+    for (int i = 0; i < 10; ++i) buffer.add(base::from_seconds(100.0 + 0.1 * i), Pose::Identity());
+    for (int i = 10; i < 15; ++i) buffer.add(base::from_seconds(100.0 + jump_s + 0.1 * i), Pose::Identity());
+    EXPECT_TRUE(buffer.at(base::from_seconds(101.0 + jump_s))) << jump_s;
+    EXPECT_TRUE(buffer.at(base::from_seconds(101.4 + jump_s))) << jump_s;
+  }
+}
+
+TEST(PoseBuffer, OnePoseAheadLosesNoOther) {
+  PoseBuffer buffer;
+  for (int i = 0; i < 10; ++i) buffer.add(base::from_seconds(100.0 + 0.1 * i), Pose::Identity());
+  EXPECT_FALSE(buffer.add(base::from_seconds(3700.0), Pose::Identity()));
+  for (int i = 10; i < 20; ++i) EXPECT_TRUE(buffer.add(base::from_seconds(100.0 + 0.1 * i), Pose::Identity()));
+  EXPECT_TRUE(buffer.at(base::from_seconds(100.05)));
+  EXPECT_TRUE(buffer.at(base::from_seconds(101.85)));
+  EXPECT_FALSE(buffer.at(base::from_seconds(3700.0)));
+}
+
 TEST(PoseBuffer, StaysBounded) {
   PoseBuffer buffer;
   const auto count = static_cast<base::StampNs>(PoseBuffer::kMaxPoses) + 10;

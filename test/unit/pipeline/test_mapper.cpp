@@ -202,6 +202,105 @@ TEST(Mapper, ItsOwnOdometryDeskewsAndFollows) {
   EXPECT_EQ(mapper.next().fate, SweepFate::kNoPose);
 }
 
+/// Samples at 200 Hz of an IMU that gives g, by differences of the motion.
+void feed_imu(const Motion& motion, double from_s, double to_s, Mapper* mapper) {
+  constexpr double h = 1e-3;
+  for (int i = static_cast<int>(std::lround(from_s * 200)); i < std::lround(to_s * 200); ++i) {
+    const double t = i / 200.0;
+    const Pose a = motion(t - h), b = motion(t + h);
+    const Eigen::AngleAxisd turned(a.linear().transpose() * b.linear());
+    const Vec3 acceleration = (a.translation() + b.translation() - 2 * motion(t).translation()) / (h * h);
+    const Vec3 force = motion(t).linear().transpose() * (acceleration + Vec3(0, 0, 9.81)) / 9.81;
+    mapper->add_imu({stamp_of(t), turned.axis() * turned.angle() / (2 * h), force});
+  }
+}
+
+Pose slope(double t) {
+  const double s = t > 0 ? t * t / (1 + t) : 0.0;
+  return Pose(line(s) * Eigen::AngleAxisd(0.3, Vec3(0.6, -0.8, 0.0)));
+}
+
+TEST(Mapper, AnImuThatBeginsLaterLevelsTheMapFromItsBeginning) {
+  MapperConfig config;
+  config.odometry.emplace();
+  Mapper mapper{config};
+  mapper.expect_imu();
+  std::vector<MapperStep> steps;
+  for (int i = 0; i < 40; ++i) {
+    if (i >= 4) feed_imu(slope, 0.1 * i + (i == 4 ? 0.07 : 0.005), 0.1 * i + 0.105, &mapper);
+    mapper.add_sweep(sweep_at(0.1 * i, slope));
+    for (MapperStep& step : all_steps(&mapper)) steps.push_back(std::move(step));
+  }
+  ASSERT_GE(steps.size(), 38u);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    ASSERT_EQ(steps[i].fate, SweepFate::kMapped) << steps[i].reason;
+    EXPECT_EQ(steps[i].stamp_ns, stamp_of(0.1 * static_cast<double>(i)));
+    const Vec3 up_B = slope(0.1 * static_cast<double>(i) + 0.05).linear().transpose() * Vec3::UnitZ();
+    EXPECT_GT((steps[i].T_O_B.linear() * up_B).z(), std::cos(0.015)) << i;
+  }
+  EXPECT_TRUE(mapper.odometry()->is_level());
+  EXPECT_TRUE(mapper.odometry_problems().empty());
+}
+
+TEST(Mapper, WithoutAnImuItSaysThatNothingTellsWhereDownIs) {
+  for (const bool is_expected : {false, true}) {
+    MapperConfig config;
+    config.odometry.emplace();
+    Mapper mapper{config};
+    if (is_expected) mapper.expect_imu();  // and none comes
+    std::size_t num_mapped = 0;
+    for (int i = 0; i < 36; ++i) {
+      mapper.add_sweep(sweep_at(0.1 * i, slope));
+      num_mapped += all_steps(&mapper).size();
+    }
+    EXPECT_EQ(num_mapped, 35u);
+    ASSERT_EQ(mapper.odometry_problems().size(), 1u);
+    EXPECT_NE(mapper.odometry_problems()[0].find("nothing tells where down is"), std::string::npos);
+  }
+}
+
+TEST(Mapper, OneSampleFarAheadDoesNotSilenceTheImu) {
+  MapperConfig config;
+  config.odometry.emplace();
+  Mapper mapper{config};
+  for (int i = 0; i < 20; ++i) {
+    feed_imu(slope, 0.1 * i + (i == 0 ? -0.1 : 0.005), 0.1 * i + 0.05, &mapper);
+    if (i == 9) mapper.add_imu({stamp_of(3600.0), Vec3::Zero(), Vec3::UnitZ()});
+    mapper.add_sweep(sweep_at(0.1 * i, slope));  // waits for the samples of its end
+    EXPECT_TRUE(mapper.is_waiting_for_imu());
+    feed_imu(slope, 0.1 * i + 0.05, 0.1 * i + 0.105, &mapper);
+    all_steps(&mapper);
+  }
+  EXPECT_EQ(mapper.odometry()->counters().scans_without_imu, 0u);
+  ASSERT_EQ(mapper.odometry_problems().size(), 1u);
+  EXPECT_NE(mapper.odometry_problems()[0].find("1 alone on another clock"), std::string::npos);
+}
+
+TEST(Mapper, OneSweepFarAheadCostsItselfAlone) {
+  for (const bool has_poses : {false, true}) {
+    MapperConfig config;
+    if (!has_poses) config.odometry.emplace();
+    Mapper mapper{config};
+    std::vector<MapperStep> steps;
+    for (int i = 0; i < 20; ++i) {
+      if (has_poses) mapper.add_pose(stamp_of(0.1 * i), line(0.1 * i));
+      cloud::Sweep sweep = sweep_at(0.1 * i);
+      if (i == 9) sweep.stamp_ns = sweep.start_ns = stamp_of(3600.0);
+      mapper.add_sweep(std::move(sweep));
+      for (MapperStep& step : all_steps(&mapper)) steps.push_back(std::move(step));
+    }
+    int num_mapped = 0;
+    for (const MapperStep& step : steps) {
+      num_mapped += step.fate == SweepFate::kMapped;
+      EXPECT_FALSE(step.map_cleared);
+      if (step.fate == SweepFate::kMapped) continue;
+      EXPECT_EQ(step.stamp_ns, stamp_of(3600.0));
+      EXPECT_NE(step.reason.find("far ahead"), std::string::npos);
+    }
+    EXPECT_GE(num_mapped, 17);
+  }
+}
+
 TEST(Mapper, ThinsOutOnlyWhenItIsToldOfTooMuchWork) {
   Mapper mapper{MapperConfig()};
   mapper.add_sweep(sweep_at(0.0), pipeline::SweepPoses());
