@@ -91,7 +91,7 @@ void bind_clock_watch(py::module_& m) {
           "counts", [](const ClockWatch& self) { return counts_of(self.counts()); },
           "dict: next, repeated, late, stray, new_clocks, stuck_clocks, longest_repeat.")
       .def(
-          "describe", [](const ClockWatch& self) { return base::describe(self.counts()); },
+          "summary", [](const ClockWatch& self) { return base::describe(self.counts()); },
           "What was wrong with the stamps as a phrase for people; empty when they followed each other.");
 }
 

@@ -121,7 +121,7 @@ void bind_mapper(py::module_& m) {
            "T_B_L: (4, 4) float64, LiDAR on the body; None is the identity. Raises ConfigError.")
       .def(
           "expect_imu", [](MountedMapper& self) { self.mapper.expect_imu(); },
-          "There will be IMU samples: sweeps wait, up to 30 of them, until these have shown where up is.")
+          "There will be IMU samples: sweeps wait, up to 80 of them, until these have shown where up is.")
       .def_property_readonly(
           "odometry_problems", [](const MountedMapper& self) { return self.mapper.odometry_problems(); },
           "What is wrong with the samples and the frame of the mapper's own odometry: list of sentences for people.")

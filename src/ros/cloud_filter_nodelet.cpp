@@ -120,7 +120,8 @@ class CloudFilterNodelet : public NodeletBase {
   /// @return why the times of this cloud were not used; empty when they were, or when it has none
   std::string report_times() {
     const voxnav::cloud::TimesReport& times = filter_->point_times();
-    if (times.state != times_state_) NODELET_INFO_STREAM("[" << node() << "]: point times on " << topic_ << ": " << times.how);
+    if (times.state != times_state_)
+      NODELET_INFO_STREAM("[" << node() << "]: point times on " << topic_ << ": " << times.how);
     times_state_ = times.state;
     diagnostics().set_counter("clouds_untimed", static_cast<double>(times.num_clouds_untimed));
     const bool is_untimed = times.num_clouds_untimed > num_untimed_;

@@ -43,8 +43,8 @@ class ClockWatch {
     StampNs max_lag_ns = 1'000'000'000;
     /// A stamp farther ahead than this is not believed at once; without a limit every stamp ahead is.
     std::optional<StampNs> max_lead_ns;
-    /// So many stamps in a row on another clock, rising and no farther apart than the greater of the two limits (or than
-    /// the first of them is ahead), make it the clock.
+    /// So many stamps in a row on another clock, rising and no farther apart than the greater of the two limits (or
+    /// than the first of them is ahead), make it the clock.
     int num_confirming = 3;
   };
 

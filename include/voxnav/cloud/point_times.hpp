@@ -52,9 +52,9 @@ std::string problem_of(const TimesReport& report);
 
 /// How the numbers of one cloud become nanoseconds after its stamp: (number - zero) * tick.
 struct CloudTimes {
-  double tick_ns = 0.0;           ///< 0: its times are not used
-  double zero = 0.0;              ///< the number at the stamp
-  std::int64_t first_ns = 0;      ///< earlier and later ones are no times of this sweep
+  double tick_ns = 0.0;       ///< 0: its times are not used
+  double zero = 0.0;          ///< the number at the stamp
+  std::int64_t first_ns = 0;  ///< earlier and later ones are no times of this sweep
   std::int64_t last_ns = 0;
 };
 

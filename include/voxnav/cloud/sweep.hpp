@@ -23,8 +23,8 @@ struct Sweep {
 
 /// The one reader of clouds: any layout that RawCloudView takes, all points in their order, whatever their values.
 /// Points without coordinates whose fields beam_x, beam_y, beam_z hold a direction are the sweep's open beams. Times in
-/// `t` uint32 are those of the cloud filter; those of any other field are used if this cloud alone tells what they count
-/// (PointTimes). The frame is left to the caller. O(points).
+/// `t` uint32 are those of the cloud filter; those of any other field are used if this cloud alone tells what they
+/// count (PointTimes). The frame is left to the caller. O(points).
 Sweep read_sweep(const RawCloudView& cloud);
 
 /// Makes the same sweep that read_sweep() would read from the message of a filtered cloud, without serialising it.

@@ -44,9 +44,8 @@ enum class OdometryReason : std::uint8_t {
   kStrayStamp,    ///< the cloud was refused, because its stamp is on another clock than those before
 };
 constexpr auto words_of(OdometryReason) {
-  return std::array{"none",        "first_scan",    "too_few_points", "degenerate",     "few_matches",
-                    "few_inliers", "not_converged", "moved_too_far",  "turned_too_far", "old_stamp",
-                    "stray_stamp"};
+  return std::array{"none",          "first_scan",    "too_few_points", "degenerate", "few_matches", "few_inliers",
+                    "not_converged", "moved_too_far", "turned_too_far", "old_stamp",  "stray_stamp"};
 }
 
 /// The quality of the pose of one cloud.

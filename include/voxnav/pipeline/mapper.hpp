@@ -48,7 +48,7 @@ class Mapper {
                   const SweepLocator* locator = nullptr);
   ~Mapper();
 
-  /// Announces IMU samples: sweeps wait, up to 30 of them, until these have shown the direction of gravity. The map is
+  /// Announces IMU samples: sweeps wait, up to 80 of them, until these have shown the direction of gravity. The map is
   /// then level from its beginning, even if the first samples come later than the first sweeps.
   void expect_imu();
   /// Adds a sample for the mapper's own LiDAR odometry.

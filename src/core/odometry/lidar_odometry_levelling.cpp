@@ -15,7 +15,9 @@ using geometry::Vec3;
 constexpr double kLevelAfter_s = 2.0, kLevelAfterAtEnd_s = 0.3;
 /// Over so long a tilt of the frame is told from errors of the velocity.
 constexpr double kTiltAfter_s = 5.0;
-constexpr double kTiltToTell_rad = 0.035, kShareToTell = 0.2;
+constexpr double kTiltToTell_rad = 0.035, kShareToTell = 0.5;
+/// The first velocities are of sweeps that were deskewed without one.
+constexpr std::uint64_t kCloudsToSettle = 6;
 
 Matrix6 turned(const Matrix6& covariance, const Eigen::Matrix3d& R) {
   Matrix6 out;
@@ -29,7 +31,8 @@ Matrix6 turned(const Matrix6& covariance, const Eigen::Matrix3d& R) {
 
 /// Adds the span since the cloud before, if the motion over it is known.
 void LidarOdometry::Impl::weigh_gravity(const Motion& before, base::StampNs now_ns) {
-  if (!config_.use_imu || !before.is_known || !has_velocity_ || coasted_s_ > 0.0) return;
+  const bool is_settled = before.is_known && has_velocity_ && coasted_s_ == 0.0 && scan_ > kCloudsToSettle;
+  if (!config_.use_imu || !is_settled) return;
   const auto force = imu_.mean_force(before.stamp_ns, now_ns);
   if (!force) return;
   const Eigen::Matrix3d R_O_B = geometry::interpolate(before.T_O_B, T_O_B_, 0.5).linear();
@@ -72,16 +75,16 @@ std::vector<std::string> LidarOdometry::Impl::problems() const {
                   " scans were tracked without the IMU, as no samples are of their time");
   }
   if (counters_.clouds > 0 && !is_level_) {
-    const char* const why = !config_.use_imu               ? "the IMU is not used"
-                            : counters_.imu_samples == 0   ? "there is no IMU"
-                                                           : "the IMU does not show it";
-    out.push_back(std::string("nothing tells where down is (") + why +
-                  "): the map is as tilted as the first scan was");
+    const char* const why = !config_.use_imu             ? "the IMU is not used"
+                            : counters_.imu_samples == 0 ? "there is no IMU"
+                                                         : "the IMU does not show it";
+    out.push_back(std::string("nothing tells where down is (") + why + "): the map is as tilted as the first scan was");
   }
   const auto tilt = tilt_rad();
   if (is_level_ && tilt && *tilt > kTiltToTell_rad) {
-    out.push_back("the map is tilted against gravity by " + std::to_string(*tilt * 180.0 / M_PI).substr(0, 4) +
-                  " degrees: the vehicle accelerated when the recording began, or the IMU is mounted otherwise than said");
+    out.push_back(
+        "the map is tilted against gravity by " + std::to_string(*tilt * 180.0 / M_PI).substr(0, 4) +
+        " degrees: the vehicle accelerated when the recording began, or the IMU is mounted otherwise than said");
   }
   return out;
 }

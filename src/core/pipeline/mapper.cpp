@@ -18,8 +18,8 @@ using geometry::Pose;
 
 /// The mapper's own odometry gives one pose per sweep: one that is lost of a slow sensor leaves no gap.
 constexpr double kMaxOwnPoseGap_s = 0.5;
-/// Sweeps that may wait for the IMU to show where up is: three seconds at 10 Hz.
-constexpr std::size_t kMaxUnlevel = 30;
+/// Sweeps that may wait for the IMU to show where up is: four seconds at 20 Hz.
+constexpr std::size_t kMaxUnlevel = 80;
 
 std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
 

@@ -11,8 +11,8 @@ namespace voxnav::pipeline {
 /// A stamp farther behind the newest one than this is on another clock.
 constexpr base::StampNs kMaxStampLagNs = 1'000'000'000;
 
-/// Watches the stamps of sweeps as they arrive. A late sweep says nothing about now, and the map has newer ones, or will
-/// have: it is left out. So is one on another clock, until those after it confirm that the clock was set anew.
+/// Watches the stamps of sweeps as they arrive. A late sweep says nothing about now, and the map has newer ones, or
+/// will have: it is left out. So is one on another clock, until those after it confirm that the clock was set anew.
 class SweepStamps {
  public:
   /// @param has_poses  sweeps that bring their poses may be any time apart, the others are expected to be close

@@ -8,6 +8,7 @@ from typing import Sequence
 
 import numpy as np
 
+import voxnav
 from voxnav.array_types import Array
 from voxnav.recordings.plan import RecordingPlan
 from voxnav.recordings.problems import force_size, imu_unit, problems_of, used_topics
@@ -77,9 +78,9 @@ def _rpy_of(T: Array) -> tuple[float, float, float]:
 
 
 def _time_words(plan: RecordingPlan) -> str:
-    clouds = plan.cloud.clouds if plan.cloud is not None else []
-    field = next((sample.time_field for sample in clouds if sample.time_field), None)
-    return "field '%s' (%s)" % (field, clouds[-1].fields.get(field, "")) if field else "none"
+    if plan.cloud is None or plan.cloud.times.report.state == voxnav.TimesState.NO_FIELD:
+        return "none"
+    return plan.cloud.times.report.how
 
 
 def _gravity_words(imu: TopicSurvey) -> str:

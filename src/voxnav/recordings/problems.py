@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+import voxnav
 from voxnav.recordings.clocks import TopicClock
 from voxnav.recordings.left_out import LeftOut
 from voxnav.recordings.plan import RecordingPlan, clock_distance_s
@@ -81,7 +82,10 @@ def _cloud_problems(cloud: TopicSurvey) -> list[Problem]:
     if bad:
         out.append(Problem("%d of %d clouds that were looked at cannot be read: %s" % (
             len(bad), len(cloud.clouds), bad[0].problem), "they are left out; see the driver's settings"))
-    if cloud.clouds and all(sample.time_field is None for sample in cloud.clouds):
+    times = cloud.times.report
+    if times.problem:
+        out.append(Problem(times.problem, "see the driver's settings; motion within these sweeps is not undone"))
+    if cloud.clouds and times.state == voxnav.TimesState.NO_FIELD:
         out.append(Problem("the points bear no times: motion within a sweep cannot be undone",
                            "record the driver's own topic, with its field for time (t, time, timestamp)"))
     return out

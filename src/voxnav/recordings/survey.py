@@ -53,6 +53,7 @@ class TopicSurvey:
         self.poses: List[Any] = []  # (3,) positions of odometry
         self.forces: List[Any] = []  # (3,) accelerations of an IMU, from the beginning
         self.clouds: List[cloud_samples.CloudSample] = []
+        self.times = voxnav.PointTimes()  # of the clouds that were looked at
 
     @property
     def name(self) -> str:
@@ -157,9 +158,14 @@ class Survey:
                 force = message.make().linear_acceleration
                 topic.forces.append((force.x, force.y, force.z))
             elif topic.topic.kind == CLOUD and self._is_wanted(topic):
-                topic.clouds.append(cloud_samples.CloudSample(message.make()))
+                self._look_at_cloud(topic, message.make(), stamp_ns)
         except ValueError:
             pass
+
+    @staticmethod
+    def _look_at_cloud(topic: TopicSurvey, msg: Any, stamp_ns: int) -> None:
+        topic.clouds.append(cloud_samples.CloudSample(msg))
+        topic.times.judge(msg.data, cloud_samples.layout_of(msg), stamp_ns)
 
     def _is_wanted(self, topic: TopicSurvey) -> bool:
         """The first clouds in a row, and then some of the rest."""

@@ -103,12 +103,16 @@ constexpr double kBoot_s = 1699990000.0;  // when a sensor with a clock of its o
 std::vector<Case> known_drivers() {
   const auto scaled = [](double per_second) { return [=](double o, double) { return o * per_second; }; };
   const auto absolute = [](double per_second) { return [=](double o, double t) { return (o + t) * per_second; }; };
-  const auto booted = [](double per_second) { return [=](double o, double t) { return (o + t - kBoot_s) * per_second; }; };
+  const auto booted = [](double per_second) {
+    return [=](double o, double t) { return (o + t - kBoot_s) * per_second; };
+  };
   const auto f32 = FieldType::kFloat32, f64 = FieldType::kFloat64, u32 = FieldType::kUint32;
   return {
       {"Ouster", {"t", u32, scaled(1e9)}, TimeUnit::kNanosecond, TimeZero::kStamp},
       {"Velodyne", {"time", f32, scaled(1)}, TimeUnit::kSecond, TimeZero::kStamp},
-      {"Velodyne, stamp at end", {"time", f32, [](double o, double) { return o - 0.1; }, 0.1}, TimeUnit::kSecond,
+      {"Velodyne, stamp at end",
+       {"time", f32, [](double o, double) { return o - 0.1; }, 0.1},
+       TimeUnit::kSecond,
        TimeZero::kStamp},
       {"Hesai", {"timestamp", f64, absolute(1)}, TimeUnit::kSecond, TimeZero::kRosTime},
       {"RoboSense, stamp at end", {"timestamp", f64, absolute(1), 0.1}, TimeUnit::kSecond, TimeZero::kRosTime},
@@ -121,10 +125,14 @@ std::vector<Case> known_drivers() {
       {"f64 s", {"timestamp", f64, scaled(1)}, TimeUnit::kSecond, TimeZero::kStamp},
       {"f64 ns", {"time", f64, scaled(1e9)}, TimeUnit::kNanosecond, TimeZero::kStamp},
       {"u32 us", {"t", u32, scaled(1e6)}, TimeUnit::kMicrosecond, TimeZero::kStamp},
-      {"u32 ns before the stamp", {"t", u32, [](double o, double) { return (o - 0.1) * 1e9; }, 0.1},
-       TimeUnit::kNanosecond, TimeZero::kStamp},
-      {"Aeva", {"time_offset_ns", FieldType::kInt32, [](double o, double) { return (o - 0.1) * 1e9; }, 0.1},
-       TimeUnit::kNanosecond, TimeZero::kStamp},
+      {"u32 ns before the stamp",
+       {"t", u32, [](double o, double) { return (o - 0.1) * 1e9; }, 0.1},
+       TimeUnit::kNanosecond,
+       TimeZero::kStamp},
+      {"Aeva",
+       {"time_offset_ns", FieldType::kInt32, [](double o, double) { return (o - 0.1) * 1e9; }, 0.1},
+       TimeUnit::kNanosecond,
+       TimeZero::kStamp},
       {"since boot, s", {"timestamp", f64, booted(1)}, TimeUnit::kSecond, TimeZero::kSensorClock},
       {"since boot, ns", {"timestamp", f64, booted(1e9)}, TimeUnit::kNanosecond, TimeZero::kSensorClock},
       {"since boot, u32 us", {"time", u32, booted(1e6)}, TimeUnit::kMicrosecond, TimeZero::kSensorClock},
