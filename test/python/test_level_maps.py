@@ -88,7 +88,8 @@ def test_maps_by_lidar_odometry_are_made_of_deskewed_scans(mapped, scans):
     assert warnings == []
     points = voxnav.SubmapCollection.load(str(folder / "map")).occupied_points().astype(np.float64)
     stamps, poses = files.read_tum(str(folder / "trajectory_odom.txt"))
-    T_W_O = body_pose(stamps[0] - LATER_S + 0.05) @ tilted() @ np.linalg.inv(poses[0])  # poses are halfway through the sweeps
+    # Poses are those of the middle of each sweep.
+    T_W_O = body_pose(stamps[0] - LATER_S + 0.05) @ tilted() @ np.linalg.inv(poses[0])
     points = np.ascontiguousarray(points @ T_W_O[:3, :3].T + T_W_O[:3, 3])
     assert np.mean(scans[0].surface_distance(points) < 0.2) > 0.98
 

@@ -2,8 +2,8 @@
 """Recordings as one stream: folders of raw scans, and rosbags.
 
 A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep, and
-knows ``num_scans`` for the progress bar, and whether it ``has_poses`` and ``has_imu``. ``warnings`` lists what was wrong
-with the recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was
+knows ``num_scans`` for the progress bar, and whether it ``has_poses`` and ``has_imu``. ``warnings`` lists what was
+wrong with the recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was
 subtracted from its positions, None where nothing was.
 """
 
