@@ -31,7 +31,7 @@ def points_from_msg(cloud):
 
 _STEPS_PER_S = {voxnav.TimeUnit.S: 1, voxnav.TimeUnit.MS: 10**3, voxnav.TimeUnit.US: 10**6, voxnav.TimeUnit.NS: 10**9}
 _FLOATS = {7: "<f4", 8: "<f8"}
-_TIME_TYPES = dict(_FLOATS, **{9: "<i8", 10: "<u8"})  # of numbers that can count from the epoch of the stamps
+_TIME_TYPES = {**_FLOATS, 9: "<i8", 10: "<u8"}  # of numbers that can count from the epoch of the stamps
 
 
 def shift_time(cloud, offset_ns, times):
