@@ -62,7 +62,7 @@ class CloudFigures:
         good = [sample for sample in topic.clouds if sample.problem is None]
         self.is_readable = bool(good)
         self.problem = next((sample.problem for sample in topic.clouds if sample.problem), None)
-        self.time_field = next((sample.time_field for sample in good if sample.time_field), None)
+        self.time_field = str(topic.times.report.field)
         self.num_lidar_fields = max((len(set(sample.fields) & set(LIDAR_FIELDS)) for sample in good), default=0)
         self.reach_m = _median([sample.reach_m for sample in good])
         self.horizon = _median([sample.horizon for sample in good])
@@ -75,7 +75,7 @@ class CloudFigures:
     def score(self) -> float:
         if not self.is_readable:
             return -100.0
-        score = 3.0 * (self.time_field is not None) + min(self.num_lidar_fields, 2) + 4.0 * self.horizon
+        score = 3.0 * bool(self.time_field) + min(self.num_lidar_fields, 2) + 4.0 * self.horizon
         score += 3.0 * min(self.reach_m / _FAR_M, 1.0) + 2.0 * min(self.num_points / _MANY_POINTS, 1.0)
         score += 3.0 * self.share_of_time
         if self.rate_hz is None or not 2.0 <= self.rate_hz <= 60.0:

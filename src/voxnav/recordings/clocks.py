@@ -8,12 +8,12 @@ clock that was set later is moved to the clock of the rest.
 
 from __future__ import annotations
 
-import enum
 import heapq
 from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
 
+import voxnav
 from voxnav.array_types import Array
 from voxnav.recordings.left_out import REPEATED, LeftOut
 
@@ -51,35 +51,6 @@ def clock_offsets_ns(stamps_ns: Array, records_ns: Array) -> list[int]:
     return [int(np.median(clock)) for clock in clocks[:_MAX_CLOCKS]]
 
 
-class _Verdict(enum.Enum):
-    NEXT = 1  # near the newest stamp, wherever it lies
-    STRAY = 2  # on another clock, which nothing confirms yet
-    NEW_CLOCK = 3  # the last of enough stamps on another clock
-
-
-class _ClockWatch:
-    """Tells stamps on another clock from one that was set anew for good, as base::ClockWatch does in flight."""
-
-    def __init__(self, max_step_ns: int) -> None:
-        self._max_step_ns = max_step_ns
-        self._newest_ns: int | None = None
-        self._stray_ns: int | None = None
-        self._num_strays = 0
-
-    def add(self, stamp_ns: int) -> _Verdict:
-        if self._newest_ns is None or abs(stamp_ns - self._newest_ns) <= self._max_step_ns:
-            self._newest_ns = stamp_ns if self._newest_ns is None else max(stamp_ns, self._newest_ns)
-            self._stray_ns = None
-            return _Verdict.NEXT
-        confirms = self._stray_ns is not None and 0 < stamp_ns - self._stray_ns <= self._max_step_ns
-        self._num_strays = self._num_strays + 1 if confirms else 1
-        self._stray_ns = stamp_ns
-        if self._num_strays < _NUM_CONFIRMING:
-            return _Verdict.STRAY
-        self._newest_ns, self._stray_ns = stamp_ns, None
-        return _Verdict.NEW_CLOCK
-
-
 class TopicClock:
     """Stamps of one topic, in the order of their recording. Holds back at most four messages.
 
@@ -92,7 +63,7 @@ class TopicClock:
         self.notes: list[str] = []  # lasting jumps and clocks that stood still, for people
         self._what, self._left_out, self._offsets_ns = what, left_out, offsets_ns
         self._max_step_ns = max(_STEP_NS, int(1e9 * _PERIODS * (period_s or 0.0)))
-        self._watch = _ClockWatch(self._max_step_ns)
+        self._watch = voxnav.ClockWatch(self._max_step_ns, self._max_step_ns, _NUM_CONFIRMING)
         self._newest: Stamped | None = None  # of the clock that is believed, as recorded
         self._num_on_clock = 0
         self._strays: list[Stamped] = []  # on another clock, which nothing confirms yet
@@ -110,10 +81,10 @@ class TopicClock:
             self._leave_out(message, "its stamp is zero")
             return
         verdict = self._watch.add(stamp_ns)
-        if verdict == _Verdict.STRAY:
+        if verdict == voxnav.StampVerdict.STRAY:
             self._strays.append(message)
             self._drop_strays(keep=_NUM_CONFIRMING - 1)
-        elif verdict == _Verdict.NEW_CLOCK:
+        elif verdict == voxnav.StampVerdict.NEW_CLOCK:
             self._begin_clock(self._strays + [message])
         else:
             self._drop_strays(keep=0)

@@ -10,7 +10,6 @@ import numpy as np
 import voxnav
 from voxnav.array_types import Array
 
-TIME_FIELDS = ("t", "time", "timestamp", "time_stamp", "offset_time")
 LIDAR_FIELDS = ("ring", "line", "intensity", "reflectivity", "tag", "ambient", "noise", "range")
 _DATATYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32", 7: "float32", 8: "float64"}
 
@@ -37,10 +36,6 @@ class CloudSample:
             self.problem = str(error)
             return
         self._measure(points)
-
-    @property
-    def time_field(self) -> str | None:
-        return next((name for name in TIME_FIELDS if name in self.fields), None)
 
     def _measure(self, points: Array) -> None:
         """reach_m: nearer than this are 95 % of the returns; horizon: share of all headings that have any."""
