@@ -96,8 +96,10 @@ class LidarOdometryTest(unittest.TestCase):
 
     def find_mount(self, from_s):
         """Clouds from the place where the flight begins, until the mounting has reached the node."""
+        self.send_imu(from_s - 0.1, from_s - 0.006)
         for i in range(80):
             stamp_s = from_s + 0.01 * i
+            self.send_imu(stamp_s - 0.005, stamp_s + 0.004)
             self.send(cloud_msg(room_points(0, np.zeros(3)), stamp_s), is_taken=False)
             end = time.time() + 0.25
             while time.time() < end:

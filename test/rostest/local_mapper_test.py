@@ -141,7 +141,7 @@ class LocalMapperTest(unittest.TestCase):
         self.assertEqual(len(handover.pose_stamps), len(handover.T_S_B))
 
     def test_a_scan_without_tf_is_dropped_and_said_so(self):
-        self.publish(to_msg(wall(), self.move_time(50.0)))
+        self.publish(to_msg(wall(), self.move_time(5.0)))
         self.expect_message("no pose within")
         self.scan()
 
