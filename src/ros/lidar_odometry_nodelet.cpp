@@ -67,8 +67,15 @@ std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::
 void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
   clock().reach(msg->header.stamp);
   unmounted_imu_.push_back(msg);
+  take_unmounted();
+  process_ready();
+}
+
+/// Uses the samples whose mounting was unknown when they came, as soon as it is known.
+void LidarOdometryNodelet::take_unmounted() {
+  if (unmounted_imu_.empty()) return;
   if (!R_B_I_) {
-    if (const auto T_B_I = mounting(msg->header.frame_id)) R_B_I_ = T_B_I->linear();
+    if (const auto T_B_I = mounting(unmounted_imu_.back()->header.frame_id)) R_B_I_ = T_B_I->linear();
   }
   if (!R_B_I_) {
     if (unmounted_imu_.size() > kMaxEarlySamples) unmounted_imu_.pop_front();
@@ -76,7 +83,6 @@ void LidarOdometryNodelet::on_imu(const sensor_msgs::ImuConstPtr& msg) {
   }
   for (const sensor_msgs::ImuConstPtr& sample : unmounted_imu_) add_imu(*sample);
   unmounted_imu_.clear();
-  process_ready();
 }
 
 void LidarOdometryNodelet::add_imu(const sensor_msgs::Imu& msg) {
@@ -115,6 +121,7 @@ void LidarOdometryNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg
 bool LidarOdometryNodelet::make_estimator(const std::string& lidar_frame) {
   const auto T_B_L = mounting(lidar_frame);
   if (!T_B_L) return false;
+  take_unmounted();  // the first cloud is not to begin without the samples before it
   lidar_frame_ = lidar_frame;
   estimator_ = std::make_unique<odometry::LidarOdometry>(odometry_config_, *T_B_L);
   for (const odometry::ImuSample& sample : early_imu_) {

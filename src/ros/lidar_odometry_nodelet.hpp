@@ -39,6 +39,7 @@ class LidarOdometryNodelet : public NodeletBase {
   /// it.
   std::optional<voxnav::geometry::Pose> mounting(const std::string& frame_id);
   bool make_estimator(const std::string& lidar_frame);
+  void take_unmounted();
   void add_imu(const sensor_msgs::Imu& msg);
   void process_ready();
   bool awaits_level(voxnav::base::StampNs stamp_ns);
