@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "odometry/gravity.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace voxnav::odometry {
@@ -31,18 +32,47 @@ std::optional<Vec3> Gravity::up_at_rest(const MeanForce& force) {
   return Vec3(force.mean / norm);
 }
 
-void Gravity::add(const Vec3& force_O, const Vec3& velocity_change_O, double dt_s) {
+void Gravity::add(const Vec3& force_O, const Vec3& from_O, const Vec3& to_O, double dt_s) {
+  if (moments_.time[0] == 0.0) note(from_O);
+  force_s2_ += force_s_ * dt_s + 0.5 * dt_s * dt_s * force_O;
   force_s_ += force_O * dt_s;
-  velocity_change_ += velocity_change_O;
   span_s_ += dt_s;
+  note(to_O);
 }
 
+void Gravity::note(const Vec3& position_O) {
+  double power = 1.0;
+  for (std::size_t k = 0; k < moments_.time.size(); ++k, power *= span_s_) {
+    moments_.time[k] += power;
+    if (k >= moments_.position.size()) continue;
+    moments_.position[k] += power * position_O;
+    moments_.pushed[k] += power * force_s2_;
+  }
+}
+
+/// A body at position p, pushed by the specific force f, moves by p'' = f - g up. What the twice integrated force is
+/// ahead of the positions is hence a parabola g/2 up t^2 + ..., which is fitted to all of them: positions are known
+/// far better than the velocities between two of them.
 std::optional<Vec3> Gravity::up_O(double least_s) const {
-  if (span_s_ < least_s || span_s_ <= 0.0) return std::nullopt;
-  const Vec3 force = force_s_ / span_s_;
-  const auto scale = scale_of(force.norm());
+  constexpr double kFewest = 4.0;  // positions that overdetermine a parabola
+  if (span_s_ < least_s || span_s_ <= 0.0 || moments_.time[0] < kFewest) return std::nullopt;
+  const auto scale = scale_of(force_s_.norm() / span_s_);
   if (!scale) return std::nullopt;
-  return Vec3((*scale * force - velocity_change_ / span_s_).normalized());
+  // Time counts in spans, so that the powers are of one size.
+  Eigen::Matrix3d normal;
+  Eigen::Matrix3d ahead;  // a row for each power
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double unit = std::pow(span_s_, -static_cast<double>(row));
+    ahead.row(static_cast<int>(row)) = unit * (*scale * moments_.pushed[row] - moments_.position[row]).transpose();
+    for (std::size_t column = 0; column < 3; ++column) {
+      normal(static_cast<int>(row), static_cast<int>(column)) =
+          moments_.time[row + column] * std::pow(span_s_, -static_cast<double>(row + column));
+    }
+  }
+  const Vec3 bend = normal.ldlt().solve(ahead).row(2).transpose();
+  const double norm = bend.norm();
+  if (!(norm > 0.0)) return std::nullopt;
+  return Vec3(bend / norm);
 }
 
 Eigen::Matrix3d levelling(const Vec3& up) {

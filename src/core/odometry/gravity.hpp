@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "voxnav/geometry/pose.hpp"
@@ -21,18 +22,29 @@ class Gravity {
   /// when their norm is not that of gravity.
   static std::optional<geometry::Vec3> up_at_rest(const MeanForce& force);
 
-  /// A time span in which velocity changed; all in frame O, which need not be level.
+  /// Adds a time span that follows the one before without a gap; all in frame O, which need not be level.
   /// @param force_O  mean specific force, rotated into frame O, in the unit of the samples
-  void add(const geometry::Vec3& force_O, const geometry::Vec3& velocity_change_O, double dt_s);
+  /// @param from_O, to_O  positions at both ends of the span
+  void add(const geometry::Vec3& force_O, const geometry::Vec3& from_O, const geometry::Vec3& to_O, double dt_s);
   void clear() { *this = Gravity(); }
   /// Where up is in frame O, over all spans since clear(), of a body that may have accelerated. Nothing before
-  /// `least_s` of them.
+  /// `least_s` of them. O(1).
   std::optional<geometry::Vec3> up_O(double least_s) const;
 
  private:
-  geometry::Vec3 force_s_ = geometry::Vec3::Zero();  // integral, in the unit of the samples
-  geometry::Vec3 velocity_change_ = geometry::Vec3::Zero();
+  /// Sums over the times t at which positions are known: of t^k, and of the position and the twice integrated force
+  /// times t^k.
+  struct Moments {
+    std::array<double, 5> time{};
+    std::array<geometry::Vec3, 3> position{geometry::Vec3::Zero(), geometry::Vec3::Zero(), geometry::Vec3::Zero()};
+    std::array<geometry::Vec3, 3> pushed{geometry::Vec3::Zero(), geometry::Vec3::Zero(), geometry::Vec3::Zero()};
+  };
+  void note(const geometry::Vec3& position_O);
+
   double span_s_ = 0.0;
+  geometry::Vec3 force_s_ = geometry::Vec3::Zero();   // integral of the force, in the unit of the samples
+  geometry::Vec3 force_s2_ = geometry::Vec3::Zero();  // integral of the integral
+  Moments moments_;
 };
 
 /// The rotation with heading zero that turns `up` to the z axis.

@@ -11,12 +11,12 @@ namespace {
 using geometry::Pose;
 using geometry::Vec3;
 
-/// Over so long errors of the velocity at both ends tilt the frame by little; and what must do when there is no more.
+/// Over so long errors of the positions tilt the frame by little; and what must do when there is no more.
 constexpr double kLevelAfter_s = 2.0, kLevelAfterAtEnd_s = 0.3;
-/// Over so long a tilt of the frame is told from errors of the velocity.
+/// Over so long a tilt of the frame is told from errors of the positions.
 constexpr double kTiltAfter_s = 5.0;
 constexpr double kTiltToTell_rad = 0.035, kShareToTell = 0.5;
-/// The first velocities are of sweeps that were deskewed without one.
+/// The first sweeps are deskewed without a velocity, and their positions are off by that.
 constexpr std::uint64_t kCloudsToSettle = 6;
 
 Matrix6 turned(const Matrix6& covariance, const Eigen::Matrix3d& R) {
@@ -29,14 +29,15 @@ Matrix6 turned(const Matrix6& covariance, const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-/// Adds the span since the cloud before, if the motion over it is known.
+/// Adds the span since the cloud before, if the motion over it is known. Where it is not, a new span begins.
 void LidarOdometry::Impl::weigh_gravity(const Motion& before, base::StampNs now_ns) {
+  if (!config_.use_imu) return;
   const bool is_settled = before.is_known && has_velocity_ && coasted_s_ == 0.0 && scan_ > kCloudsToSettle;
-  if (!config_.use_imu || !is_settled) return;
-  const auto force = imu_.mean_force(before.stamp_ns, now_ns);
-  if (!force) return;
+  const auto force = is_settled ? imu_.mean_force(before.stamp_ns, now_ns) : std::nullopt;
+  if (!force) return gravity_.clear();
   const Eigen::Matrix3d R_O_B = geometry::interpolate(before.T_O_B, T_O_B_, 0.5).linear();
-  gravity_.add(R_O_B * force->mean, velocity_O_ - before.velocity_O, base::to_seconds(now_ns - before.stamp_ns));
+  gravity_.add(R_O_B * force->mean, before.T_O_B.translation(), T_O_B_.translation(),
+               base::to_seconds(now_ns - before.stamp_ns));
 }
 
 std::optional<Pose> LidarOdometry::Impl::level(bool is_end) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "odometry/gravity.hpp"
 
@@ -30,20 +31,45 @@ TEST(Gravity, NothingIsUpWhereForcesAreNoneOrOneAgainstAnother) {
   EXPECT_FALSE(Gravity().up_O(0.0));
 }
 
+/// Flies for some tenths of a second, by forces in a unit of which gravity has 9.81 / scale, and positions with an
+/// error.
+Gravity flown(const Vec3& up, int num_spans, double unit, double error_m) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, error_m > 0.0 ? error_m : 1.0);
+  const auto erroneous = [&](const Vec3& at) {
+    return error_m > 0.0 ? Vec3(at + Vec3(noise(random), noise(random), noise(random))) : at;
+  };
+  Gravity gravity;
+  Vec3 at(3, 2, 1), velocity(2.0, -1.0, 0.3);
+  Vec3 from = erroneous(at);
+  for (int i = 0; i < num_spans; ++i) {
+    const Vec3 acceleration(1.5, std::sin(0.3 * i), 0.5);
+    at += 0.1 * velocity + 0.005 * acceleration;
+    velocity += 0.1 * acceleration;
+    const Vec3 to = erroneous(at);
+    gravity.add(unit * (9.81 * up + acceleration), from, to, 0.1);
+    from = to;
+  }
+  return gravity;
+}
+
 TEST(Gravity, MotionIsTakenOutOfTheForce) {
+  const Vec3 up = Vec3(0.2, 0.1, 1.0).normalized();
   for (const double unit : {1.0, 1.0 / 9.81}) {
-    Gravity gravity;
-    const Vec3 up = Vec3(0.2, 0.1, 1.0).normalized();
-    for (int i = 0; i < 30; ++i) {
-      const Vec3 acceleration(1.5, std::sin(0.3 * i), 0.5);
-      gravity.add(unit * (9.81 * up + acceleration), 0.1 * acceleration, 0.1);
-    }
+    Gravity gravity = flown(up, 30, unit, 0.0);
     EXPECT_FALSE(gravity.up_O(3.5));
     ASSERT_TRUE(gravity.up_O(2.0));
     EXPECT_LT((*gravity.up_O(2.0) - up).norm(), 1e-9);
     gravity.clear();
     EXPECT_FALSE(gravity.up_O(0.1));
+    EXPECT_FALSE(flown(up, 2, unit, 0.0).up_O(0.1)) << "three positions do not overdetermine a parabola";
   }
+}
+
+TEST(Gravity, ErrorsOfPositionsTiltItByLittle) {
+  const Vec3 up = Vec3(0.2, 0.1, 1.0).normalized();
+  EXPECT_LT((*flown(up, 20, 1.0, 0.01).up_O(1.9) - up).norm(), 0.006);  // a third of a degree
+  EXPECT_LT((*flown(up, 20000, 1.0, 0.01).up_O(1.9) - up).norm(), 1e-6) << "half an hour";
 }
 
 TEST(Gravity, LevellingKeepsTheHeading) {
