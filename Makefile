@@ -58,8 +58,7 @@ test-install: deps  ## Installs voxnav in three ways, builds against it and flie
 deb: deps  ## A Debian package in build/deb.
 	@scripts/dev/build_deb build/deb $(JOBS)
 
-bench:  ## Measures voxnav beside its yardsticks.
-	@scripts/dev/install_deps bench
+bench: deps  ## Measures voxnav beside its yardsticks.
 	@scripts/dev/run_benchmarks build/bench $(JOBS)
 
 sanitize: deps  ## C++ tests under the address, undefined behaviour and thread sanitizers.

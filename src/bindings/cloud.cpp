@@ -7,6 +7,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
+#include "pcl_filters.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/cloud/sweep.hpp"
 
@@ -253,6 +254,7 @@ void bind_cloud(py::module_& m) {
            "Raises ValueError that says what is wrong with the layout.")
       .def_property_readonly("point_times", &cloud::CloudFilter::point_times,
                              "TimesReport: what is known of the sensor's point times after the clouds so far.");
+  bind_pcl_filters(m);
 }
 
 }  // namespace voxnav::bindings

@@ -138,6 +138,7 @@ void bind_odometry(py::module_& m) {
   bind_words<odometry::OdometryState>(m, "OdometryState", "How a pose of LidarOdometry came about.");
   bind_words<odometry::OdometryReason>(m, "OdometryReason", "Why an odometry is in the state it is in.");
   bind_results(m);
+  bind_words<odometry::RegistrationMethod>(m, "RegistrationMethod", "What LidarOdometry registers a scan to.");
   bind_config<odometry::LidarOdometryConfig>(m, "LidarOdometryConfig", "Parameters of LidarOdometry.");
   py::class_<LidarOdometry>(m, "LidarOdometry", "LiDAR-inertial odometry against a bounded local map. Not thread-safe.")
       .def(py::init([](const odometry::LidarOdometryConfig& config, const py::object& T_B_L) {

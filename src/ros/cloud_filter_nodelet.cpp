@@ -4,6 +4,7 @@
 #include "body_learning.hpp"
 #include "voxnav/cloud/cloud_filter.hpp"
 #include "voxnav/cloud/open_beams.hpp"
+#include "voxnav/cloud/pcl_filters.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/messages.hpp"
@@ -33,15 +34,18 @@ class CloudFilterNodelet : public NodeletBase {
  private:
   void initialize() override {
     voxnav::cloud::CloudFilterConfig config;
+    voxnav::cloud::PclFiltersConfig pcl;
     voxnav::cloud::OpenBeamsConfig open_beams;
     voxnav::cloud::BodyMaskConfig body_mask;
     ParamLoader& params = parameters();
     params.section("filter", &config);
+    params.section("pcl", &pcl);
     params.section("open_beams", &open_beams);
     params.section("body_mask", &body_mask);
     params.finish();
     if (open_beams.is_enabled) open_beams_ = std::make_unique<voxnav::cloud::OpenBeams>(open_beams);
     filter_ = std::make_unique<voxnav::cloud::CloudFilter>(config);
+    pcl_filters_ = voxnav::cloud::make_pcl_filters(pcl);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     points_ = nh.advertise<sensor_msgs::PointCloud2>("points_out", 5);
     rejected_ = nh.advertise<sensor_msgs::PointCloud2>("rejected_out", 5);
@@ -65,6 +69,7 @@ class CloudFilterNodelet : public NodeletBase {
         const auto timer = diagnostics().time("filter");
         filter_->apply(view, &result_);
       }
+      apply_pcl_filters();
       if (auto mask = body_learning_->add(view)) take(std::move(*mask));
       publish(*msg, view);
       report();
@@ -73,6 +78,15 @@ class CloudFilterNodelet : public NodeletBase {
     }
     diagnostics().add_latency("filter", msg->header.stamp);
     publish_progress(msg->header.stamp);
+  }
+
+  /// Open beams do not pass them: they are found in the raw cloud, and a point that is dropped here opens none.
+  void apply_pcl_filters() {
+    for (const auto& filter : pcl_filters_) {
+      const std::string stage = std::string("pcl ") + voxnav::base::word_of(filter->kind());
+      const auto timer = diagnostics().time(stage);
+      filter->apply(&result_);
+    }
   }
 
   void take(voxnav::cloud::BodyMask mask) {
@@ -154,6 +168,7 @@ class CloudFilterNodelet : public NodeletBase {
   }
 
   std::unique_ptr<voxnav::cloud::CloudFilter> filter_;
+  std::vector<std::unique_ptr<voxnav::cloud::PclFilter>> pcl_filters_;
   std::unique_ptr<voxnav::cloud::OpenBeams> open_beams_;  // null unless open beams are searched
   std::unique_ptr<BodyLearning> body_learning_;
   voxnav::cloud::FilterResult result_;

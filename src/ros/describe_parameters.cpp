@@ -12,6 +12,7 @@
 #include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
 #include "voxnav/cloud/open_beams.hpp"
+#include "voxnav/cloud/pcl_filters.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 #include "voxnav/pipeline/mapper_config.hpp"
@@ -85,8 +86,8 @@ int main() {
   namespace ros_ = voxnav_ros;
   std::cout << "{";
   print("cloud_filter",
-        {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::OpenBeamsConfig>("open_beams"),
-         section<voxnav::cloud::BodyMaskConfig>("body_mask")});
+        {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::PclFiltersConfig>("pcl"),
+         section<voxnav::cloud::OpenBeamsConfig>("open_beams"), section<voxnav::cloud::BodyMaskConfig>("body_mask")});
   print("lidar_odometry",
         {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",

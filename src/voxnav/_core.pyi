@@ -272,6 +272,9 @@ class LidarOdometry:
     def memory_bytes(self) -> int: ...
 
 class LidarOdometryConfig:
+    registration: str
+    max_correspondence_distance: float
+    transformation_epsilon: float
     min_range_m: float
     max_range_m: float
     voxel_size_m: float
@@ -299,6 +302,7 @@ class LidarOdometryConfig:
     use_imu: bool
     def __init__(
         self, *,
+        registration: str = ..., max_correspondence_distance: float = ..., transformation_epsilon: float = ...,
         min_range_m: float = ..., max_range_m: float = ..., voxel_size_m: float = ...,
         max_points_per_voxel: int = ..., max_map_voxels: int = ..., max_source_points: int = ...,
         max_iterations: int = ..., initial_threshold_m: float = ..., min_threshold_m: float = ...,
@@ -686,6 +690,51 @@ class OptimizerConfig:
     @staticmethod
     def describe() -> List[Any]: ...
 
+class PclField(str, enum.Enum):
+    X = "x"
+    Y = "y"
+    Z = "z"
+    INTENSITY = "intensity"
+
+class PclFilter:
+    @property
+    def name(self) -> str: ...
+    def apply(self, result: FilterResult) -> None: ...
+
+class PclFiltersConfig:
+    filters: Sequence[Any]
+    filter_field_name: str
+    filter_limit_min: float
+    filter_limit_max: float
+    filter_limit_negative: bool
+    crop_box_min: Sequence[float]
+    crop_box_max: Sequence[float]
+    crop_box_negative: bool
+    leaf_size: float
+    min_points_per_voxel: int
+    radius_search: float
+    min_neighbors: int
+    mean_k: int
+    stddev_mul_thresh: float
+    distance_threshold: float
+    max_iterations: int
+    axis: Sequence[float]
+    eps_angle: float
+    def __init__(
+        self, *,
+        filters: Sequence[Any] = ..., filter_field_name: str = ..., filter_limit_min: float = ...,
+        filter_limit_max: float = ..., filter_limit_negative: bool = ..., crop_box_min: Sequence[float] = ...,
+        crop_box_max: Sequence[float] = ..., crop_box_negative: bool = ..., leaf_size: float = ...,
+        min_points_per_voxel: int = ..., radius_search: float = ..., min_neighbors: int = ..., mean_k: int = ...,
+        stddev_mul_thresh: float = ..., distance_threshold: float = ..., max_iterations: int = ...,
+        axis: Sequence[float] = ..., eps_angle: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> PclFiltersConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
 class PlanOutcome:
     @property
     def plan(self) -> PlanResult: ...
@@ -848,6 +897,11 @@ class RayRule(str, enum.Enum):
     SIMPLE = "simple"
     MERGED = "merged"
     FAST = "fast"
+
+class RegistrationMethod(str, enum.Enum):
+    MAP = "map"
+    ICP = "icp"
+    GICP = "gicp"
 
 class SafePart:
     @property
@@ -1197,6 +1251,8 @@ def explain(status: str) -> str: ...
 def gravity_aligned(T_A_B: Array) -> Array: ...
 
 def interpolate_pose(a: Array, b: Array, ratio: float) -> Array: ...
+
+def make_pcl_filters(config: PclFiltersConfig) -> List[Any]: ...
 
 def map_content_from_array(states: Array, origin: Any, resolution_m: float, points: Any = ..., hits: int = ...) -> MapContent: ...
 

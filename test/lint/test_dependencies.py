@@ -15,7 +15,7 @@ from test_floors import ROOT, git_files
 
 # Packages named otherwise than their headers, Python modules, CMake packages or programs.
 HEADERS = {"Eigen": "eigen", "ceres": "libceres-dev", "octomap": "liboctomap-dev", "embree3": "libembree-dev",
-           "pybind11": "pybind11-dev", "ros": "roscpp", "yaml-cpp": "yaml-cpp"}
+           "pcl": "libpcl-all-dev", "pybind11": "pybind11-dev", "ros": "roscpp", "yaml-cpp": "yaml-cpp"}
 MODULES = {"numpy": "python3-numpy", "yaml": "python3-yaml", "scipy": "python3-scipy", "pytest": "python3-pytest",
            "matplotlib": "python3-matplotlib", "rospkg": "python3-rospkg", "setuptools": "python3-setuptools",
            "catkin_pkg": "catkin"}
@@ -26,7 +26,7 @@ GROUND = {"rviz", "xvfb", "imagemagick", "python3-matplotlib", "python3-scipy"}
 # Part of the C library, the compiler or voxnav; generated messages need the generator and its runtime.
 NOT_PACKAGES = {"sys", "voxnav", "voxnav_ros", "voxnav_simulation", "Threads"}
 GENERATED_MESSAGES = {"build": {"message_generation"}, "exec": {"message_runtime"}, "build_export": {"message_runtime"}}
-# Only what make bench needs; see the section [bench] of scripts/dev/packages-debian.txt.
+# Benchmarks are no part of what is installed.
 BENCHMARKS = "test/benchmark/"
 
 KINDS = {"depend": ("build", "build_export", "exec"), "build_depend": ("build",),

@@ -86,3 +86,32 @@ def test_real_ouster_frames_lose_only_what_has_a_reason(number):
     norm = np.linalg.norm(cloud[..., :3].reshape(-1, 3), axis=1)
     assert result.counts["kept"] == int(((norm > 0.7) & (norm <= 60.0)).sum())
     assert sum(result.counts.values()) == cloud.shape[0] * cloud.shape[1]
+
+
+def test_pcl_filters_follow_in_the_order_given():
+    random = np.random.default_rng(4)
+    cloud = np.concatenate([random.uniform(-20, 20, (3000, 3)), np.full((3000, 1), 7.0)], axis=1).astype(np.float32)
+    config = voxnav.PclFiltersConfig(filters=["crop_box", "voxel_grid"], crop_box_min=[-9, -9, -9],
+                                     crop_box_max=[9, 9, 9], leaf_size=3.0)
+    filters = voxnav.make_pcl_filters(config)
+    assert [f.name for f in filters] == config.filters
+    result = voxnav.CloudFilter().apply(cloud)
+    before = result.points
+    filters[0].apply(result)
+    np.testing.assert_array_equal(result.points, before[(np.abs(before[:, :3]) <= 9).all(axis=1)])
+    cells = np.unique(np.floor(result.points[:, :3] / 3.0), axis=0)
+    filters[1].apply(result)
+    assert len(result.points) == len(cells)
+    assert result.counts["pcl"] == len(before) - len(cells) and result.counts["kept"] == len(cells)
+    assert sum(result.counts.values()) == result.total
+    assert len(result.sweep(0).points) == len(cells)
+    assert voxnav.make_pcl_filters(voxnav.PclFiltersConfig()) == []
+
+
+def test_bad_pcl_filters_are_refused_by_name():
+    with pytest.raises(voxnav.ConfigError, match="'bilateral'.*pass_through"):
+        voxnav.PclFiltersConfig(filters=["bilateral"])
+    with pytest.raises(voxnav.ConfigError, match="filter_limit_min = 3.*below filter_limit_max"):
+        voxnav.PclFiltersConfig(filters=["pass_through"], filter_limit_min=3.0, filter_limit_max=2.0)
+    with pytest.raises(voxnav.ConfigError, match="leaf_size"):
+        voxnav.PclFiltersConfig(leaf_size=-0.1)

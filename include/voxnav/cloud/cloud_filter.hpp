@@ -35,10 +35,11 @@ struct FilterCounts {
   std::uint64_t far = 0;
   std::uint64_t ghost = 0;
   std::uint64_t outlier = 0;
+  std::uint64_t pcl = 0;  ///< dropped or merged by a filter of PCL, where there are any behind the CloudFilter
   std::uint64_t kept = 0;
 
   /// Name and value of every count but `total`, to which they sum up.
-  std::array<std::pair<const char*, std::uint64_t>, 9> reasons() const;
+  std::array<std::pair<const char*, std::uint64_t>, 10> reasons() const;
   FilterCounts& operator+=(const FilterCounts& other);
 };
 

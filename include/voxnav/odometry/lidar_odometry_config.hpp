@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <string>
+#include <vector>
+
 #include "voxnav/base/config.hpp"
 
 namespace voxnav::odometry {
 
+/// What a scan is registered to.
+enum class RegistrationMethod {
+  kMap,   ///< the local map, which is made of many scans
+  kIcp,   ///< the scan before, by pcl::IterativeClosestPoint: for comparison only, never for flight
+  kGicp,  ///< the scan before, by pcl::GeneralizedIterativeClosestPoint: for comparison only, never for flight
+};
+constexpr auto words_of(RegistrationMethod) { return std::array{"map", "icp", "gicp"}; }
+
 struct LidarOdometryConfig {
+  RegistrationMethod registration = RegistrationMethod::kMap;
+  double max_correspondence_distance = 1.0;
+  double transformation_epsilon = 1e-8;
   double min_range_m = 0.5;
   double max_range_m = 80.0;
   double voxel_size_m = 0.6;
@@ -35,6 +50,13 @@ struct LidarOdometryConfig {
   template <class V>
   static void fields(V&& v) {
     using C = LidarOdometryConfig;
+    v("registration", &C::registration, base::one_of<RegistrationMethod>(), "",
+      "what a scan is registered to: map = many scans; icp and gicp = the scan before, by PCL, for comparison, not for "
+      "flight");
+    v("max_correspondence_distance", &C::max_correspondence_distance, base::in(0.01, 100), "m",
+      "icp and gicp: points farther apart do not match");
+    v("transformation_epsilon", &C::transformation_epsilon, base::in(0, 1), "",
+      "icp and gicp: a step whose square is smaller ends the iterations");
     v("min_range_m", &C::min_range_m, base::in(0, 50), "m", "nearer points are not used");
     v("max_range_m", &C::max_range_m, base::in(2, 300), "m", "farther points are not used; radius of the local map");
     v("voxel_size_m", &C::voxel_size_m, base::in(0.05, 5), "m",

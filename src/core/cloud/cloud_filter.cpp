@@ -59,7 +59,7 @@ void shift_times(std::int64_t first_ns, std::vector<Point>* points) {
 
 }  // namespace
 
-std::array<std::pair<const char*, std::uint64_t>, 9> FilterCounts::reasons() const {
+std::array<std::pair<const char*, std::uint64_t>, 10> FilterCounts::reasons() const {
   return {{{"decimated", decimated},
            {"nan", nan},
            {"zero", zero},
@@ -68,6 +68,7 @@ std::array<std::pair<const char*, std::uint64_t>, 9> FilterCounts::reasons() con
            {"far", far},
            {"ghost", ghost},
            {"outlier", outlier},
+           {"pcl", pcl},
            {"kept", kept}}};
 }
 
@@ -81,6 +82,7 @@ FilterCounts& FilterCounts::operator+=(const FilterCounts& o) {
   far += o.far;
   ghost += o.ghost;
   outlier += o.outlier;
+  pcl += o.pcl;
   kept += o.kept;
   return *this;
 }

@@ -33,6 +33,7 @@ LidarOdometry::Impl::Impl(const LidarOdometryConfig& config, const Pose& T_B_L, 
     : config_(config),
       T_B_L_(T_B_L),
       map_(map_options(config)),
+      matcher_(make_scan_matcher(config)),
       clock_(stamp_limits(checks)),
       sigma_m_(config.initial_threshold_m) {}
 
@@ -48,6 +49,7 @@ bool LidarOdometry::Impl::add_imu(const ImuSample& sample) {
 
 void LidarOdometry::Impl::reset(const Pose& T_O_B) {
   map_.clear();
+  before_.clear();
   imu_.clear();
   T_O_B_ = T_O_B;
   velocity_O_.setZero();
@@ -159,7 +161,8 @@ OdometryResult LidarOdometry::Impl::add_cloud(base::StampNs stamp_ns, const std:
 }
 
 std::size_t LidarOdometry::Impl::memory_bytes() const {
-  const std::size_t buffers = deskewed_.capacity() + fine_.capacity() + source_.capacity() + inserted_.capacity();
+  const std::size_t buffers =
+      deskewed_.capacity() + fine_.capacity() + source_.capacity() + inserted_.capacity() + before_.capacity();
   return map_.memory_bytes() + buffers * sizeof(Vec3f) + imu_.size() * sizeof(ImuSample);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "odometry/localizability.hpp"
 #include "odometry/point_map.hpp"
 #include "odometry/registration.hpp"
+#include "odometry/scan_matcher.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 
 namespace voxnav::odometry {
@@ -71,6 +73,7 @@ class LidarOdometry::Impl {
   void track(const RegistrationResult& found, const Prediction& prediction, const Matrix6& predicted_covariance);
   void begin_map();
   void locate(const Prediction& prediction);
+  RegistrationResult match_scan_before(const Prediction& prediction);
   void coast(const Explanation& why, const Prediction& prediction, const Matrix6& predicted_covariance);
   void measure_velocity(const geometry::Pose& found, double dt_s);
   void adapt_threshold(const geometry::Pose& predicted, const geometry::Pose& found);
@@ -82,6 +85,7 @@ class LidarOdometry::Impl {
   LidarOdometryConfig config_;
   geometry::Pose T_B_L_;
   PointMap map_;
+  std::unique_ptr<ScanMatcher> matcher_;  // only where scans are registered to the scan before instead of the map
   Downsampler downsampler_;
   ImuBuffer imu_;
   base::ClockWatch clock_;  // of the clouds
@@ -90,6 +94,8 @@ class LidarOdometry::Impl {
   // Points of the present cloud: deskewed, thinned out for the map, thinned out for registration (all in frame B), and
   // as they enter the map (frame O).
   std::vector<geometry::Vec3f> deskewed_, fine_, source_, inserted_;
+  std::vector<geometry::Vec3f> before_;  // fine_ of the last scan that was located; empty unless there is a matcher
+  geometry::Pose T_O_before_ = geometry::Pose::Identity();
 
   geometry::Pose T_O_B_ = geometry::Pose::Identity();
   std::optional<geometry::Pose> observed_T_O_B_;  // the last pose on the present clock that was not a prediction

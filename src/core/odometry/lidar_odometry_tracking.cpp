@@ -147,6 +147,10 @@ void LidarOdometry::Impl::extend_map() {
   for (const Vec3f& p : fine_) inserted_.push_back(T * p);
   map_.keep_around(T.translation(), config_.max_range_m * 1.1);
   map_.insert(inserted_);
+  if (matcher_) {
+    before_ = fine_;
+    T_O_before_ = T_O_B_;
+  }
   observed_T_O_B_ = T_O_B_;
 }
 
@@ -156,11 +160,32 @@ Matrix6 LidarOdometry::Impl::drift_covariance() const {
   return diagonal(translation * translation, rotation * rotation);
 }
 
+/// The pose as the scan before gives it. Every point counts as if it held one direction, evenly spread: what PCL says
+/// of its result has no covariance, and no direction is found to be weak.
+RegistrationResult LidarOdometry::Impl::match_scan_before(const Prediction& prediction) {
+  RegistrationResult out;
+  out.num_points = static_cast<int>(source_.size());
+  if (source_.empty() || before_.empty()) return out;
+  const ScanMatch match = matcher_->match(source_, before_, T_O_before_.inverse() * prediction.T_O_B);
+  out.T_O_B = T_O_before_ * match.T_target_source;
+  out.has_converged = match.has_converged;
+  out.iterations = match.iterations;
+  out.num_matched = out.num_points;
+  out.num_inliers = match.num_inliers;
+  out.inlier_ratio = static_cast<double>(match.num_inliers) / out.num_points;
+  out.residual_m = match.residual_m;
+  out.localizability.eigenvalues.fill(1.0 / 3.0);
+  const double reach_m = 0.1 * config_.max_range_m;
+  out.information = diagonal(match.num_inliers / 3.0, reach_m * reach_m * match.num_inliers / 3.0);
+  return out;
+}
+
 void LidarOdometry::Impl::locate(const Prediction& prediction) {
   const Matrix6 predicted = predicted_covariance(prediction);
   const PosePrior prior{prediction.T_O_B, predicted.inverse(), sigma_m_,
                         (prediction.T_O_B.linear() * T_B_L_.linear().col(2)).cast<float>()};
-  const RegistrationResult found = register_scan(source_, prior, config_, scan_, &map_);
+  const RegistrationResult found =
+      matcher_ ? match_scan_before(prediction) : register_scan(source_, prior, config_, scan_, &map_);
   quality_.inlier_ratio = found.inlier_ratio;
   quality_.residual_m = found.residual_m;
   quality_.iterations = found.iterations;
@@ -168,7 +193,10 @@ void LidarOdometry::Impl::locate(const Prediction& prediction) {
   quality_.eigenvalues = found.localizability.eigenvalues;
   quality_.is_degenerate = found.localizability.is_degenerate();
   const Explanation problem = distrust(found, prediction);
-  problem.first == OdometryReason::kNone ? track(found, prediction, predicted) : coast(problem, prediction, predicted);
+  if (problem.first != OdometryReason::kNone) return coast(problem, prediction, predicted);
+  const Matrix6 of_scan_before = local_covariance_;
+  track(found, prediction, predicted);
+  if (matcher_) local_covariance_ += of_scan_before;
 }
 
 }  // namespace voxnav::odometry

@@ -16,6 +16,7 @@ from voxnav.recordings.plan import BagOptions
 SECTIONS: Dict[str, Any] = {
     "run": voxnav.OfflineConfig,
     "filter": voxnav.CloudFilterConfig,
+    "pcl": voxnav.PclFiltersConfig,
     "open_beams": voxnav.OpenBeamsConfig,
     "odometry": voxnav.LidarOdometryConfig,
     "mapper": voxnav.MapperConfig,

@@ -75,6 +75,7 @@ class OfflineMapper:
         self.page: list[str] = []  # what the recording is like, for people
         self.origin_m: Array | None = None  # what the recording's positions were brought nearer by
         self.filter = voxnav.CloudFilter(configs["filter"])
+        self._pcl_filters = voxnav.make_pcl_filters(configs["pcl"])
         self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
         self.mapper = voxnav.Mapper(self._mapper_config(configs), T_B_L)
         self.session = OptimizerSession(configs["graph"], configs["optimizer"])
@@ -153,6 +154,9 @@ class OfflineMapper:
         try:
             with self.stages.time("filter"):
                 filtered, open_beams = self._filter(scan)
+                for pcl_filter in self._pcl_filters:
+                    with self.stages.time("pcl " + pcl_filter.name):
+                        pcl_filter.apply(filtered)
                 sweep = filtered.sweep(scan.stamp_ns, open_beams)
         except ValueError as error:
             return self._leave_out(1e-9 * scan.stamp_ns, str(error))
