@@ -21,7 +21,8 @@ MODULES = {"numpy": "python3-numpy", "yaml": "python3-yaml", "scipy": "python3-s
            "catkin_pkg": "catkin"}
 CMAKE_PACKAGES = {"Ceres": "libceres-dev", "Eigen3": "eigen", "GTest": "gtest", "Python3": "python3-dev",
                   "embree": "libembree-dev", "octomap": "liboctomap-dev", "pybind11": "pybind11-dev"}
-PROGRAMS = {"Xvfb": "xvfb", "import": "imagemagick", "rviz": "rviz", "roslaunch": "roslaunch", "rosnode": "rosnode"}
+PROGRAMS = {"Xvfb": "xvfb", "import": "imagemagick", "pointcloud_to_pcd": "pcl_ros", "rviz": "rviz",
+            "roslaunch": "roslaunch", "rosnode": "rosnode"}
 GROUND = {"rviz", "xvfb", "imagemagick", "python3-matplotlib", "python3-scipy"}
 # Part of the C library, the compiler or voxnav; generated messages need the generator and its runtime.
 NOT_PACKAGES = {"sys", "voxnav", "voxnav_ros", "voxnav_simulation", "Threads"}
