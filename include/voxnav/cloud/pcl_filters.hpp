@@ -99,7 +99,8 @@ class PclFilter {
 };
 
 /// The chain of a configuration, in its order. PCL is loaded only when there is one.
-/// @throws base::ConfigError, std::runtime_error when voxnav was built without PCL
+/// @throws base::ConfigError
+/// @throws std::runtime_error when voxnav was built without PCL
 std::vector<std::unique_ptr<PclFilter>> make_pcl_filters(const PclFiltersConfig& config);
 
 }  // namespace voxnav::cloud
