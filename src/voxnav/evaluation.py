@@ -25,7 +25,7 @@ def align_se3(source: Array, target: Array) -> tuple[Array, Array]:
     """Returns the rotation R and the translation t that minimise the sum of squares of R source + t - target.
 
     source, target: (n, 3). Source: Umeyama, Least-squares estimation of transformation parameters between two point
-    patterns, PAMI 1991, section III, without scale.
+    patterns, PAMI 1991, without scale.
     """
     mean_source, mean_target = source.mean(axis=0), target.mean(axis=0)
     covariance = (target - mean_target).T @ (source - mean_source)

@@ -11,7 +11,7 @@
 namespace voxnav::occupancy {
 
 /// Writes the known voxels of a local map as a pruned OctoMap. Unknown voxels are left out. Source of the format:
-/// Hornung et al., OctoMap, Autonomous Robots 2013, section 4.
+/// Hornung et al., OctoMap, Autonomous Robots 2013.
 ///
 /// The ending of the path chooses the format: `.ot` (log-odds) or `.bt` (occupied and free). An OctoMap reaches 2^15
 /// voxels from its origin: a map that lies farther off is shifted by whole voxels. The shift stands in the header of

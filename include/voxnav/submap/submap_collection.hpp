@@ -116,7 +116,7 @@ class SubmapCollection {
 };
 
 /// Writes the known voxels of the merged map as a pruned OctoMap: `.ot` (log-odds) or `.bt` (occupied and free) by the
-/// ending of the path. Source of the format: Hornung et al., OctoMap, Autonomous Robots 2013, section 4.
+/// ending of the path. Source of the format: Hornung et al., OctoMap, Autonomous Robots 2013.
 /// A map beyond the reach of an OctoMap is shifted as in occupancy::save_octomap().
 /// @return  what must be added to coordinates in the file to get those of the map; none where they are the same
 /// @throws std::invalid_argument for another ending, std::runtime_error if the file cannot be written,

@@ -29,7 +29,7 @@ struct Alignment {
 
 /// Computes the weighted least-squares heading and translation between two point sets.
 /// Source: Umeyama, Least-squares estimation of transformation parameters between two point patterns, PAMI 1991,
-/// section III, restricted to rotations about z.
+/// restricted to rotations about z.
 Alignment align(const std::vector<Match>& matches) {
   constexpr double kMinSpreadM = 0.5;  // below it the heading is noise
   geometry::Vec3 mean_W = geometry::Vec3::Zero();

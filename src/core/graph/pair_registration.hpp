@@ -72,7 +72,7 @@ struct PairSearch {
 
 /// Correlative search over x, y and yaw around T_A_B for the alignment that plain descent cannot reach.
 /// @return nothing if no alignment stands out (a wrong alignment is worse than none)
-/// Source: Olson, Real-time correlative scan matching, ICRA 2009, section III.
+/// Source: Olson, Real-time correlative scan matching, ICRA 2009.
 std::optional<Pose4> search_pair(const SurfaceSample& a, const SurfaceSample& b, const Pose4& T_A_B,
                                  const PairSearch& search);
 

@@ -6,7 +6,8 @@
 
 /// The inner loop of occupancy::RayMarks: rays of one face, which have the same longest axis a and the same sense along
 /// it. A ray is walked from one change of voxel on the shorter axes b and c to the next, in fixed point, and marks the
-/// run of voxels along a between them (Amanatides & Woo 1987, section 2, with runs instead of single voxels).
+/// run of voxels along a between them. Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing,
+/// Eurographics 1987; differs: runs of voxels instead of single ones.
 namespace voxnav::kernels::ray_walk {
 
 constexpr int kWordShift = 5;

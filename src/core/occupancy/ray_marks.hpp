@@ -24,8 +24,8 @@ class RayMarks {
   /// Marks every voxel on the rays through the face with the nth most rays, both ends included. It is called once for
   /// each face, each time by one thread; faces with many rays come first, so that threads finish together. A ray is off
   /// by less than n^2 2^-30 voxels in a box of n voxels a side. O(voxels crossed + voxels within reach / 256).
-  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2; here
-  /// over the two shorter axes only, as runs of voxels along the longest.
+  /// Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987; here over the two
+  /// shorter axes only, as runs of voxels along the longest.
   void cast(int nth);
 
   bool is_crossed(std::uint32_t block) const;

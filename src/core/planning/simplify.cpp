@@ -21,7 +21,7 @@ CellCost cost_at(SearchSpace* space, const Index3& voxel) {
 }
 
 /// Walks from cell to cell along the line between two centres.
-/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2.
+/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987.
 struct LineWalk {
   Index3 voxel;
   std::array<int, 3> step;

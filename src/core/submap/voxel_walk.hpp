@@ -20,7 +20,7 @@ inline geometry::Index3 floor_index(const geometry::Vec3& p) {
 
 /// Walks over the voxels of the segment from a to b (in voxel edges), in order. The number of steps is counted in
 /// integers, so rounding can neither overshoot the end nor loop.
-/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2.
+/// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987.
 class VoxelWalk {
  public:
   VoxelWalk(const geometry::Vec3& a, const geometry::Vec3& b) : index_(floor_index(a)) {
