@@ -10,8 +10,8 @@
 
 namespace voxnav_simulation {
 
-/// The two layouts users meet: the MRS fork of the Ouster driver (48 bytes per point, aligned, with times), and the
-/// MRS Gazebo plugin (29 bytes, packed, times zero). Both mark "no return" with (0, 0, 0).
+/// Layouts of the clouds on MRS vehicles: the MRS fork of the Ouster driver writes 48 bytes per point, aligned and with
+/// times; the MRS Gazebo plugin writes 29 bytes, packed, with times of zero. Both mark "no return" with (0, 0, 0).
 enum class DriverLayout { kOuster, kGazebo };
 constexpr auto words_of(DriverLayout) { return std::array{"ouster", "gazebo"}; }
 
@@ -25,7 +25,7 @@ struct EncodedCloud {
   std::vector<std::uint8_t> data;
 };
 
-/// Organised cloud of a scan. `ring` is the row; `ambient` is not simulated and 0.
+/// Returns the organised cloud of a scan. The field `ring` holds the row; `ambient` is not simulated and always 0.
 EncodedCloud encode(const LidarScan& scan, DriverLayout layout);
 
 }  // namespace voxnav_simulation

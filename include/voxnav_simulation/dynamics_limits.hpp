@@ -21,18 +21,18 @@ struct TrackerLimits {
   TrackerAxisLimits descending;
   TrackerAxisLimits heading;
 
-  /// The smaller of the two, which therefore holds upwards and downwards alike.
+  /// Returns the smaller of the limits upwards and downwards, which can be used without knowing the direction.
   double vertical_acceleration() const;
   double vertical_jerk() const;
   /// Returns these limits with every number multiplied by `ratio`.
   TrackerLimits scaled(double ratio) const;
 };
 
-/// The sets of limits of the constraint manager.
+/// Named sets of limits, between which the MRS constraint manager switches.
 enum class ConstraintSet { kSlow, kMedium, kFast };
 constexpr auto words_of(ConstraintSet) { return std::array{"slow", "medium", "fast"}; }
 
-/// Limits of each set; each array is speed, acceleration, jerk.
+/// The limits of each set. Each array holds speed, acceleration and jerk in this order.
 struct UavConstraintsConfig {
   ConstraintSet initial = ConstraintSet::kMedium;
   std::array<double, 3> slow_horizontal{1, 1, 20};

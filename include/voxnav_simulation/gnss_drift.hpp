@@ -26,15 +26,15 @@ struct GnssDriftConfig {
   }
 };
 
-/// Error of the estimated pose: a random walk kept inside a ball, made smooth by three first-order lags in a row, so
-/// that the estimate has a continuous velocity and acceleration. The error starts at zero and never leaves the ball,
-/// because a lag only averages what went into it.
+/// The error of the estimated pose: a random walk that is kept inside a ball and smoothed by three first-order low-pass
+/// filters in series, so that the estimate has a continuous velocity and acceleration. The error starts at zero and
+/// never leaves the ball, because a first-order filter only averages its inputs.
 class GnssDrift {
  public:
   GnssDrift(const GnssDriftConfig& config, std::uint64_t seed);
 
   void step(double dt_s);
-  /// Estimated minus true position in metres, and its derivatives with respect to time.
+  /// The estimated minus the true position in metres, and its derivatives with respect to time.
   Vec3 position() const { return lags_[2].head<3>(); }
   Vec3 velocity() const { return velocity_.head<3>(); }
   Vec3 acceleration() const { return acceleration_.head<3>(); }

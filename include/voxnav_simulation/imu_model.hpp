@@ -31,7 +31,8 @@ struct ImuConfig {
   }
 };
 
-/// One inertial measurement in the body frame, averaged over the step that ends at the stamp, as strapdown units do.
+/// One inertial measurement in the body frame. It is the average over the step that ends at the stamp, because
+/// strapdown units integrate between two outputs.
 struct ImuReading {
   voxnav::base::StampNs stamp_ns = 0;
   Vec3 gyro = Vec3::Zero();   ///< rad/s

@@ -8,7 +8,7 @@ namespace voxnav_simulation {
 using voxnav::geometry::Pose;
 using voxnav::geometry::Vec3;
 
-/// Full state of a reference: position, heading and their first three derivatives.
+/// The full state of a reference: position, heading and their first three derivatives.
 struct KinematicState {
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
@@ -20,7 +20,7 @@ struct KinematicState {
   double heading_jerk = 0;
 };
 
-/// A place to be at, in the frame of the estimate.
+/// A position with a heading, in the frame of the estimate.
 struct HeadedPoint {
   Vec3 position = Vec3::Zero();
   double heading_rad = 0;

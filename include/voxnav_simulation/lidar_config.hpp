@@ -10,14 +10,14 @@
 
 namespace voxnav_simulation {
 
-/// Beam tables of data sheets; kCustom takes the elevations that are configured.
+/// Sensors whose beam elevations are known from data sheets; kCustom takes the elevations that are configured.
 enum class BeamModel { kOs0With128, kOs0With64, kOs0With32, kOs1With16, kOs1With64, kVlp16, kCustom };
 constexpr auto words_of(BeamModel) {
   return std::array{"os0-128", "os0-64", "os0-32", "os1-16", "os1-64", "vlp-16", "custom"};
 }
 
-/// A spinning LiDAR. Signal figures follow recordings of an Ouster OS0-128: about 45000 / r^2 photons from common
-/// surfaces, saturating near 4500, lost below some 20.
+/// A spinning LiDAR. The defaults of the signal follow recordings of an Ouster OS0-128: common surfaces at range r
+/// return about 45000 / r^2 photons, the detector saturates near 4500, and returns below about 20 are lost.
 struct LidarConfig {
   BeamModel model = BeamModel::kOs0With128;
   std::vector<double> beam_elevations_rad;
@@ -61,9 +61,9 @@ struct LidarConfig {
   }
   std::vector<std::string> problems() const;
 
-  /// Beam elevations, top beam first [rad].
+  /// Returns the elevations of the beams in radians, top beam first.
   std::vector<double> elevations_rad() const;
-  /// Pose of the sensor on the body.
+  /// Returns the pose of the sensor on the body.
   Pose T_B_L() const;
 
  private:

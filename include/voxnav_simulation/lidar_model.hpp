@@ -10,8 +10,8 @@
 
 namespace voxnav_simulation {
 
-/// Measures a scene. The same seed, scan index and poses give the same scan, with any number of threads.
-/// Beam divergence (mixed returns at edges), rain and fog are not simulated.
+/// Simulates the scans of a spinning LiDAR in a scene. The same seed, scan index and poses give the same scan with any
+/// number of threads. Beam divergence (mixed returns at edges), rain and fog are not simulated.
 class LidarModel {
  public:
   /// @throws voxnav::base::ConfigError
@@ -21,11 +21,11 @@ class LidarModel {
   int rows() const { return static_cast<int>(beams_.size()); }
   std::int64_t sweep_ns() const;
   std::uint32_t column_time_ns(int column) const;
-  /// Direction of a column in the sensor frame.
+  /// Returns the direction of a column in the sensor frame.
   double azimuth_rad(int column) const;
 
-  /// Measures one turn; `T_W_L` holds the pose of the sensor for each column, at the column's own time.
-  /// @throws std::invalid_argument when there is not one pose per column
+  /// Measures one turn. `T_W_L` holds the pose of the sensor for each column, at the column's own time.
+  /// @throws std::invalid_argument unless there is one pose per column
   LidarScan scan(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_index) const;
 
  private:
@@ -52,7 +52,7 @@ class LidarModel {
   float cos_sun_half_angle_;
 };
 
-/// Poses of a sensor that moves evenly from `T_W_L_start` to `T_W_L_end` during one turn.
+/// Returns one pose per column for a sensor that moves evenly from `T_W_L_start` to `T_W_L_end` during one turn.
 std::vector<Pose> poses_between(const Pose& T_W_L_start, const Pose& T_W_L_end, int columns);
 
 }  // namespace voxnav_simulation

@@ -17,7 +17,7 @@ struct MotionState {
   Vector jerk = Vector::Zero();
 };
 
-/// The place where the point should be, and its motion.
+/// The position that the point should have, and the motion it should have there.
 template <int N>
 struct MotionReference {
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -43,7 +43,7 @@ Vector clip_norm(const Vector& v, double limit) {
   return v * (limit / norm);
 }
 
-/// Near the speed limit only so much forward acceleration is left that the speed settles at the limit.
+/// Limits the forward acceleration near the speed limit, so that the speed settles at the limit without overshoot.
 template <class Vector>
 void keep_speed(const Vector& velocity, double limit, double gain, Vector* acceleration) {
   const double speed = velocity.norm();
@@ -53,7 +53,8 @@ void keep_speed(const Vector& velocity, double limit, double gain, Vector* accel
   if (excess > 0) *acceleration -= forward * excess;
 }
 
-/// Speed at which a distance is closed: linear near the goal, then the speed from which `braking` still stops in time.
+/// The speed at which a distance is closed: proportional to the distance near the goal, and farther away the speed from
+/// which the deceleration `braking` still stops in time.
 struct ApproachSpeed {
   ApproachSpeed(double distance, double braking, double gain) {
     const double linear_m = braking / (gain * gain);
@@ -71,10 +72,10 @@ struct ApproachSpeed {
 
 }  // namespace detail
 
-/// One step towards the reference. Nested loops with saturation: position error -> velocity (square-root approach law),
-/// velocity error -> acceleration, acceleration error -> jerk; each clipped to its limit, so that any reference, also
-/// one that no vehicle could fly, gives a motion within limits. Speed may exceed its limit only while it is being
-/// reduced.
+/// Makes one step towards the reference with cascaded control loops that saturate: the position error gives a velocity
+/// (by a square-root approach law), the velocity error an acceleration, and the acceleration error a jerk. Each is
+/// clipped to its limit, so that any reference gives a motion within limits, even one that no vehicle could fly. The
+/// speed may exceed its limit only while it is being reduced.
 template <int N>
 MotionState<N> limited_step(const MotionState<N>& s, const MotionReference<N>& reference, const MotionLimits& limits,
                             double dt_s) {

@@ -10,14 +10,15 @@
 
 namespace voxnav_simulation {
 
-/// Decides whether simulated time may go on. Not thread-safe. Three rules:
-/// - Every listed node must have dealt with everything up to `lag` before the last barrier; barriers are the multiples
-///   of `period` (0: every instant is one). With the LiDAR's period and the length of its sweep, time stands still at
-///   the end of each sweep until its cloud has gone all the way, so that every answer comes at that very instant.
-///   A node counts from its first report on, so that nodes may start in any order.
-/// - Work that was announced (begin) must be done, whoever does it.
-/// - The leader, if there is one, says how far time may run; before its first report it does not run at all.
-/// Whoever stays silent for too long (the caller's wall clock decides) is left behind until it reports again.
+/// Decides whether simulated time may advance. Not thread-safe. It follows three rules:
+/// - Every listed node must have processed everything up to `lag` before the last barrier. Barriers are the multiples
+///   of `period`; with a period of 0 every instant is one. If period and lag are those of the LiDAR's sweeps, time
+///   stands still at the end of each sweep until all nodes have processed its cloud, so that their results always
+///   appear at that instant. A node counts from its first report on, so that nodes may start in any order.
+/// - Work that was announced by begin() must be done, by listed nodes and others alike.
+/// - The leader, if there is one, sets how far time may run. Time does not run before the leader's first report.
+/// A node that stays silent for too long, by the caller's wall clock, is left behind: time does not wait for it until
+/// it reports again.
 class LockStep {
  public:
   struct Rules {
@@ -28,15 +29,17 @@ class LockStep {
   };
   explicit LockStep(const Rules& rules);
 
-  /// A node has dealt with everything up to this stamp. @return true when it had been left behind and is back
+  /// Records that a node has processed everything up to this stamp.
+  /// @return true if the node had been left behind and time waits for it again
   bool report(const std::string& node, voxnav::base::StampNs stamp_ns);
-  /// A node has been sent something that it will report with this stamp. May come after that report.
+  /// Records that a node was sent a message and will report this stamp once it has processed it. The report may arrive
+  /// before this call.
   void begin(const std::string& node, voxnav::base::StampNs stamp_ns);
-  /// The nodes that keep time from reaching `stamp_ns`; time may go on when there are none.
+  /// Returns the nodes that keep time from reaching `stamp_ns`; time may advance if there are none.
   std::vector<std::string> missing(voxnav::base::StampNs stamp_ns) const;
-  /// Time no longer waits for this node until it reports again.
+  /// Stops waiting for this node until it reports again.
   void leave_behind(const std::string& node);
-  /// The listed nodes that have never reported.
+  /// Returns the listed nodes that have never reported.
   std::vector<std::string> unseen() const;
   /// Returns true if there is a leader that has not reported yet.
   bool is_waiting_for_leader() const { return !leader_.empty() && !has_leader_reported_; }
@@ -50,8 +53,8 @@ class LockStep {
   voxnav::base::StampNs required(voxnav::base::StampNs stamp_ns) const;
 
   std::map<std::string, NodeState> nodes_;
-  /// Work announced minus work done, by stamp and node. A report may overtake its announcement, so that -1 is a valid
-  /// count; one whose announcement never comes is soon forgotten.
+  /// The announcements minus the reports, by stamp and node. A report may arrive before its announcement, so that the
+  /// count may be -1; only the newest kMaxBegun counts are kept, as some announcements never come.
   std::map<std::pair<voxnav::base::StampNs, std::string>, int> begun_;
   voxnav::base::StampNs lag_ns_;
   voxnav::base::StampNs period_ns_;

@@ -6,7 +6,7 @@
 
 namespace voxnav_simulation {
 
-/// The kind of thing to which a triangle belongs; quality metrics are kept for each class.
+/// The class of the object to which a triangle belongs; quality metrics are computed for each class.
 enum class SurfaceClass : std::uint8_t {
   kTerrain = 0,
   kTrunk = 1,

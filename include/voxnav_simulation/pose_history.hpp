@@ -8,18 +8,18 @@
 
 namespace voxnav_simulation {
 
-/// The last poses of a body, bounded in number, for asking where it was at any instant between them.
+/// The last poses of a body, bounded in number. Poses between them are interpolated.
 class PoseHistory {
  public:
   explicit PoseHistory(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Appends a pose. One with the newest stamp replaces it; an older one means that time was set back: everything
-  /// known is then forgotten, and false returned.
+  /// Appends a pose. A pose with the newest stamp replaces the pose that had it. An older stamp means that time was set
+  /// back: all earlier poses are then removed, and the result is false.
   bool add(const voxnav::geometry::StampedPose& pose);
 
   std::optional<voxnav::base::StampNs> oldest_ns() const;
   std::optional<voxnav::base::StampNs> newest_ns() const;
-  /// The interpolated pose at a stamp, or nothing outside of the known stamps: poses are never extrapolated.
+  /// Returns the interpolated pose at a stamp, or nothing outside of the known stamps: poses are never extrapolated.
   std::optional<voxnav::geometry::Pose> at(voxnav::base::StampNs stamp_ns) const;
 
  private:

@@ -6,7 +6,8 @@
 
 namespace voxnav_simulation {
 
-/// Scrambles 64 bits. Source: SplitMix64 finaliser, Steele et al. 2014, section 5 (constants of Stafford's variant 13).
+/// Mixes 64 bits, so that similar inputs give unrelated outputs. Source: the generator SplitMix64 of Steele, Lea and
+/// Flood, Fast splittable pseudorandom number generators, OOPSLA 2014, with the constants of Stafford's variant 13.
 inline std::uint64_t mix_bits(std::uint64_t x) {
   x += 0x9E3779B97F4A7C15ULL;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -21,10 +22,11 @@ class Rng {
   explicit Rng(std::uint64_t seed, std::uint64_t stream = 0) : state_(mix_bits(seed) ^ mix_bits(~stream)) {}
 
   std::uint64_t next() { return mix_bits(state_++); }
-  /// A number in [0, 1), evenly distributed.
+  /// Returns a number that is uniformly distributed in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// A standard normal number. Source: Box & Muller, "A note on the generation of random normal deviates", 1958.
+  /// Returns a number with the standard normal distribution.
+  /// Source: Box & Muller, "A note on the generation of random normal deviates", 1958.
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * M_PI * uniform());

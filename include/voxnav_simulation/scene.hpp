@@ -26,8 +26,8 @@ struct Nearest {
   SurfaceClass surface_class;
 };
 
-/// A world made ready for ray casting (Embree). All methods are thread-safe; a moving vehicle is seen
-/// either where it was or where it is by each call.
+/// A world in which rays are cast, with Embree. All methods are thread-safe. While the vehicle is being moved, each
+/// call sees it either at its old or at its new place.
 class Scene {
  public:
   explicit Scene(World world);
@@ -37,16 +37,18 @@ class Scene {
 
   const World& world() const { return world_; }
 
-  /// Casts `count` rays from one origin; directions are unit vectors in W. Fastest when neighbours are alike.
+  /// Casts `count` rays from one origin. The directions are unit vectors in W; it is fastest if neighbours in the array
+  /// have similar directions, because eight rays are traced together.
   void cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits) const;
 
-  /// Distance to the nearest surface (without sign: also inside a trunk); `max_m` when nothing is closer.
+  /// Returns the distance to the nearest surface, or `max_m` if nothing is closer. It is positive inside a trunk too.
   /// @throws std::invalid_argument when p is not finite or max_m is negative
   double clearance(const Vec3& p, double max_m) const;
-  /// The nearest surface with its class, or nothing when no surface is closer than `max_m`.
+  /// Returns the nearest surface with its class, or nothing when no surface is closer than `max_m`.
   std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
 
-  /// Puts the vehicle elsewhere. @return false when there is no vehicle, or no ground at that place
+  /// Moves the vehicle to another place on the ground.
+  /// @return false if there is no vehicle, or no ground at that place
   bool move_vehicle(double x, double y, double heading_rad);
   /// Returns the pose of the vehicle, or nothing if the world has none.
   std::optional<Pose> vehicle_pose() const;
@@ -63,8 +65,8 @@ class Scene {
   std::shared_ptr<const Part> vehicle_;
 };
 
-/// One scene per world file and seed and process, so that the LiDAR and the collision monitor of the same nodelet
-/// manager see the same moving vehicle. The scene lives as long as somebody holds it.
+/// Returns the scene of a world file and seed. All callers in a process share it, so that the LiDAR and the collision
+/// monitor in one nodelet manager see the same moving vehicle. The scene lives as long as a caller holds it.
 std::shared_ptr<Scene> shared_scene(const std::string& world_yaml_path, std::uint64_t seed);
 
 }  // namespace voxnav_simulation

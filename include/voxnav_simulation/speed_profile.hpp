@@ -9,7 +9,7 @@
 
 namespace voxnav_simulation {
 
-/// Straight segments between distinct vertices, with arc length.
+/// Straight segments between distinct vertices, on which points are named by their arc length.
 class Polyline {
  public:
   explicit Polyline(std::vector<Vec3> vertices);
@@ -19,10 +19,11 @@ class Polyline {
   double length_m() const { return arcs_.back(); }
   double arc(std::size_t vertex) const { return arcs_[vertex]; }
   Vec3 direction(std::size_t segment) const;
-  /// Cosine of half the interior angle at a vertex: 0 where the line goes straight on, 1 where it turns back.
+  /// Returns the cosine of half the interior angle at a vertex: 0 where the line goes straight on, 1 where it turns
+  /// back.
   double turn(std::size_t vertex) const;
   Vec3 at(std::size_t segment, double arc_m) const;
-  /// Distance from `p` to the segments [first, last].
+  /// Returns the distance from `p` to the nearest of the segments [first, last].
   double distance(const Vec3& p, std::size_t first, std::size_t last) const;
 
  private:
@@ -30,17 +31,17 @@ class Polyline {
   std::vector<double> arcs_;
 };
 
-/// Speed along a polyline as a function of arc length: every node has a highest speed, and the profile is the fastest
-/// one below them that respects the tangential acceleration (one pass forward, one back).
+/// The speed along a polyline as a function of arc length. Every node has a highest speed, and the profile is the
+/// fastest one below them that respects the tangential acceleration; one backward and one forward pass find it.
 class SpeedProfile {
  public:
-  /// @param reserves_m  per vertex: nearer than this only part of the acceleration is used along the path, the rest is
-  ///                    left for the turn
+  /// @param reserves_m  for each vertex, the distance below which only part of the acceleration is used along the path,
+  ///                    because the turn needs the rest
   SpeedProfile(const Polyline& path, const TrackerLimits& limits, const std::vector<double>& reserves_m);
 
   void cap_vertex(std::size_t vertex, double speed);
   void scale_caps(double first_arc_m, double last_arc_m, double ratio);
-  /// @return false when the start speed is too high to brake for what comes
+  /// Computes the profile. @return false if the start speed is too high to brake for the speeds allowed farther on
   bool solve(double start_speed);
 
   struct Sample {
@@ -48,8 +49,8 @@ class SpeedProfile {
     std::size_t segment;
     double arc_m;
   };
-  /// Positions every `dt_s`; at vertices where the speed is zero the point waits for `dwell_s`.
-  /// The list is empty when more than `max_samples` would be needed.
+  /// Returns the positions at every `dt_s`. At vertices where the speed is zero the point waits for `dwell_s`.
+  /// The list is empty if more than `max_samples` would be needed.
   std::vector<Sample> sample(double dt_s, double dwell_s, std::size_t max_samples) const;
 
  private:

@@ -7,8 +7,8 @@
 
 namespace voxnav_simulation {
 
-/// Twice continuously differentiable curve through equally spaced points (x, y, z, heading), at rest in acceleration at
-/// both ends (natural cubic spline). Outside of its range its value is that of the nearer end point.
+/// A natural cubic spline through equally spaced points (x, y, z, heading): it is twice continuously differentiable,
+/// and its acceleration is zero at both ends. Outside of its range its value is that of the nearer end point.
 class Spline {
  public:
   using Point = Eigen::Vector4d;

@@ -10,7 +10,7 @@
 
 namespace voxnav_simulation {
 
-/// One turn that can be measured now.
+/// A turn of the sensor whose poses are all known, so that it can be measured.
 struct SimulatedSweep {
   voxnav::base::StampNs start_ns = 0;
   std::uint64_t index = 0;  ///< number of the turn since stamp 0: the same whenever the simulator was started
@@ -23,15 +23,15 @@ struct SweepCounts {
   std::uint64_t truth_gaps = 0;     ///< poses too far apart to know the motion between them
 };
 
-/// Makes turns of the sensor from a stream of true body poses. It goes by stamps alone, so that the result is the same
-/// at any speed of the clock. Turns start at whole multiples of the duration of one turn. Not thread-safe.
+/// Schedules turns of the sensor from a stream of true body poses. It goes by stamps alone, so that the result is the
+/// same at any speed of the clock. Turns start at whole multiples of the duration of one turn. Not thread-safe.
 class SweepScheduler {
  public:
   /// @param is_instantaneous  whether all columns see the pose at the start of the turn, as in Gazebo
   SweepScheduler(const LidarModel* model, bool is_instantaneous);
 
   void add_truth(const voxnav::geometry::StampedPose& T_W_B);
-  /// The next turn that the truth covers completely, until there is none left.
+  /// Returns the next turn that the true poses cover completely, or nothing if there is none yet.
   std::optional<SimulatedSweep> next();
   const SweepCounts& counts() const { return counts_; }
 

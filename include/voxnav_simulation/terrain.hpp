@@ -10,12 +10,12 @@
 
 namespace voxnav_simulation {
 
-/// Rolling ground: heights on a regular grid, two triangles per cell. Height 0 is at the start.
+/// Rolling ground: heights on a regular grid with two triangles per cell. The height at the start is 0.
 class Terrain {
  public:
   Terrain(const WorldConfig& config, std::uint64_t seed);
 
-  /// Height of the mesh itself at (x, y), or nothing outside of the grid.
+  /// Returns the height of the triangle mesh at (x, y), or nothing outside of the grid.
   std::optional<double> height(double x, double y) const;
   void append_to(WorldMesh* mesh) const;
 

@@ -16,11 +16,11 @@ namespace voxnav_simulation {
 constexpr double kStep_s = 0.005;
 constexpr std::int64_t kStep_ns = 5'000'000;
 
-/// A trajectory to follow, relative to the moment it is given.
+/// A trajectory to follow, whose time starts when it is handed to the tracker.
 struct TrackedTrajectory {
   std::vector<HeadedPoint> points;
   double dt_s = 0.2;
-  double skip_s = 0;  ///< time of the trajectory that is over already when it is given
+  double skip_s = 0;  ///< time of the trajectory that has passed already when it is handed over
   bool use_heading = true;
   bool is_loop = false;
   std::int64_t input_id = 0;
@@ -28,9 +28,9 @@ struct TrackedTrajectory {
 
 enum class TrackerMode { kHold, kBrake, kGoal, kTrajectory };
 
-/// Follows goals and trajectories within the limits, like the MPC tracker of the MRS system: whatever is asked, what is
-/// flown keeps speed, acceleration and jerk. What will be flown is computed ahead, so that the prediction is exact
-/// until the next command. Not thread-safe.
+/// Follows goals and trajectories within the limits, like the MPC tracker of the MRS system: the motion respects the
+/// limits of speed, acceleration and jerk whatever the reference. States are computed ahead, so that the prediction is
+/// exact until the next command. Not thread-safe.
 class Tracker {
  public:
   explicit Tracker(const TrackerLimits& limits);
@@ -38,7 +38,7 @@ class Tracker {
   void set_limits(const TrackerLimits& limits);
   const TrackerLimits& limits() const { return limits_; }
 
-  /// Takes this state at once, whatever it was before; for a vehicle on the ground.
+  /// Jumps to this state without regard to the limits, which is for a vehicle on the ground.
   void reset(const KinematicState& state);
   void go_to(const HeadedPoint& goal);
   void brake();
@@ -53,7 +53,7 @@ class Tracker {
   std::size_t trajectory_size() const { return trajectory_ ? trajectory_->spline.size() : 0; }
   std::int64_t input_id() const { return trajectory_ ? trajectory_->input_id : 0; }
 
-  /// The state `num_steps` steps ahead, at most kMaxSteps. It is computed when first asked for, and kept.
+  /// Returns the state `num_steps` steps ahead, at most kMaxSteps. It is computed on the first call and then kept.
   const KinematicState& predicted(std::size_t num_steps);
   static constexpr std::size_t kMaxSteps = 2000;
 
@@ -62,7 +62,7 @@ class Tracker {
     KinematicState state;
     TrackerMode mode = TrackerMode::kHold;
     HeadedPoint goal;
-    double time_s = 0;  ///< along the trajectory
+    double time_s = 0;  ///< time since the beginning of the trajectory
   };
   struct Followed {
     Spline spline;

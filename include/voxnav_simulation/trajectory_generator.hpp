@@ -36,9 +36,9 @@ struct TrajectoryGeneratorConfig {
 
 struct PathRequest {
   std::vector<HeadedPoint> waypoints;
-  std::optional<KinematicState> start;  ///< state the trajectory continues; nothing: at rest in the first waypoint
+  std::optional<KinematicState> start;  ///< state that the trajectory continues; none: at rest in the first waypoint
   TrackerLimits limits;
-  double max_deviation_m = 0;  ///< from the straight lines between waypoints; 0 stands for the configured default
+  double max_deviation_m = 0;  ///< largest distance from the lines between waypoints; 0 = the configured default
   bool use_heading = true;     ///< whether waypoints' headings are flown; else the start heading is kept
   bool stop_at_waypoints = false;
   bool is_loop = false;                ///< whether the trajectory returns to the first waypoint
@@ -48,7 +48,7 @@ struct PathRequest {
 
 struct GeneratedTrajectory {
   bool is_valid = false;
-  std::string message;  ///< why there is no trajectory, for people
+  std::string message;  ///< the reason if there is no trajectory, as text for the operator
   double dt_s = 0;
   double duration_s = 0;
   std::vector<HeadedPoint> samples;           ///< every dt_s; the first is the start, the last is at rest
@@ -58,15 +58,15 @@ struct GeneratedTrajectory {
   int iterations = 0;
 };
 
-/// Smooth trajectory through waypoints: straight lines are flown with a speed profile under speed and tangential
-/// acceleration limits, and the positions are averaged over two windows of time. The first window turns the jumps of
-/// velocity at corners into bounded accelerations, the second bounds jerk; averages of positions cut corners by an
-/// amount proportional to speed, so that speed is lowered where deviation, acceleration or jerk exceed their limits.
-/// If that does not converge, the vehicle stops at every waypoint, which always fits.
-/// With a start state in motion that does not point along the path, the path begins with the distance needed to brake.
+/// Generates a smooth trajectory through waypoints. Straight lines are flown with a speed profile under limits of speed
+/// and tangential acceleration, and the positions are averaged over two windows of time. The first window turns the
+/// jumps of velocity at corners into bounded accelerations, the second bounds the jerk. Averages of positions cut
+/// corners by an amount proportional to speed, so the speed is lowered wherever deviation, acceleration or jerk exceed
+/// their limits. If that does not converge, the vehicle stops at every waypoint, which always respects them.
+/// If the start state moves in another direction than the path, the path begins with the distance needed to brake.
 /// Deterministic. O(iterations * duration / 0.01 s).
-/// Source: cascaded moving averages on trajectories as in Biagiotti & Melchiorri, "FIR filters for online trajectory
-/// planning", CEP 2012, section 2.
+/// Source: moving averages in series as in Biagiotti & Melchiorri, FIR filters for online trajectory planning with
+/// time- and frequency-domain specifications, Control Engineering Practice 2012.
 GeneratedTrajectory generate_trajectory(const TrajectoryGeneratorConfig& config, const PathRequest& request);
 
 }  // namespace voxnav_simulation

@@ -35,7 +35,7 @@ struct UavConfig {
 
 enum class FlightPhase { kIdle, kTakingOff, kFlying, kLanding };
 
-/// Pose and motion of the body in one frame.
+/// The pose and motion of the body in one frame.
 struct BodyState {
   Pose pose = Pose::Identity();          ///< body B in the frame
   Vec3 velocity = Vec3::Zero();          ///< of B, in the frame
@@ -48,13 +48,13 @@ struct CommandResult {
   std::string message;
 };
 
-/// A multirotor as the mapping and planning side sees one: it follows references within limits, leans into its
-/// accelerations, and believes in an estimate that drifts away from the truth. What is commanded and predicted lives in
-/// the frame O of the estimate; the truth is O moved by the drift. One step is kStep_s. Deterministic for a seed.
+/// A multirotor as mapping and planning see it: it follows references within limits, tilts as its accelerations
+/// require, and controls by an estimate that drifts away from the truth. Commands and predictions are in the frame O of
+/// the estimate; the true position is the estimated one minus the drift. One step is kStep_s. Deterministic for a seed.
 /// Not thread-safe.
 class Uav {
  public:
-  /// Height of the ground at x, y in the world, or nothing outside of the world.
+  /// Returns the height of the ground at x, y in the world, or nothing outside of the world.
   using GroundHeight = std::function<std::optional<double>(double x, double y)>;
 
   /// @throws voxnav::base::ConfigError
@@ -63,10 +63,10 @@ class Uav {
 
   void step();
   voxnav::base::StampNs stamp_ns() const { return stamp_ns_; }
-  /// Sets the time from which an idle vehicle goes on.
+  /// Sets the stamp of an idle vehicle, from which its steps count on.
   void set_stamp_ns(voxnav::base::StampNs stamp_ns) { stamp_ns_ = stamp_ns; }
 
-  /// Each command answers with the reason when it is refused.
+  /// Commands. The result of a refused command holds the reason.
   CommandResult take_off();
   CommandResult land();
   CommandResult hover();
@@ -79,13 +79,13 @@ class Uav {
   const BodyState& estimate() const { return estimate_; }  ///< in O
   const ImuReading& imu() const { return imu_; }           ///< the measurement of the last step
   Vec3 drift() const { return drift_.position(); }
-  /// Height of the body above the ground, or nothing outside of the world.
+  /// Returns the height of the body above the ground, or nothing outside of the world.
   std::optional<double> height_m() const;
-  /// Range to the ground along the body's z axis, or nothing when the ground is out of range.
+  /// Returns the range to the ground along the body's z axis, or nothing if the ground is out of range.
   std::optional<double> rangefinder();
 
   const Tracker& tracker() const { return tracker_; }
-  /// The state in O at `ahead_s` from now, rounded to steps; at most 10 s.
+  /// Returns the state in O at `ahead_s` from now, rounded to steps and limited to 10 s.
   const KinematicState& predicted(double ahead_s);
 
  private:
@@ -104,14 +104,14 @@ class Uav {
   voxnav::base::StampNs stamp_ns_ = 0;
   FlightPhase phase_ = FlightPhase::kIdle;
   Vec3 standing_W_ = Vec3::Zero();
-  double standing_heading_rad_ = 0;  ///< true
+  double standing_heading_rad_ = 0;  ///< true heading
   BodyState truth_;
   BodyState estimate_;
   ImuReading imu_;
 };
 
-/// Orientation of a multirotor whose thrust gives this acceleration; the body's x axis points along the heading when
-/// seen from above.
+/// Returns the orientation of a multirotor whose thrust gives this acceleration. Seen from above, the body's x axis
+/// points along the heading.
 Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad);
 
 }  // namespace voxnav_simulation

@@ -12,13 +12,14 @@
 
 namespace voxnav_simulation {
 
-/// A trunk or pole as it was meant, for measuring how well a map keeps it: axis from the ground to the top.
+/// The exact shape of a trunk or pole, by which tests and benchmarks measure how well a map represents it. Its axis
+/// goes from the ground to the top.
 struct Stem {
   Rod rod;
   SurfaceClass surface_class;  ///< kTrunk or kPole
 };
 
-/// The number of objects of each kind; lower than requested if no more found room.
+/// The number of objects of each kind, which is lower than requested if there was no room for more.
 struct WorldCounts {
   int num_trees = 0;
   int num_bushes = 0;
@@ -28,9 +29,9 @@ struct WorldCounts {
   int num_houses = 0;
 };
 
-/// A generated world: the same configuration and seed give the same bytes. Frame W, z up, ground height 0 at the start.
-/// Leaves are real triangles with gaps between them, not a statistical filter on the beams: a second beam along the
-/// same line gives the same answer, the true clearance to a leaf is defined, and ray packets stay fast.
+/// A generated world, in frame W with z up and ground height 0 at the start. The same configuration and seed give the
+/// same bytes. Leaves are triangles with gaps between them rather than a statistical filter on the beams: two beams
+/// along the same line give the same result, the true clearance to a leaf is defined, and ray packets stay fast.
 class World {
  public:
   /// @throws voxnav::base::ConfigError
@@ -38,14 +39,15 @@ class World {
 
   const WorldConfig& config() const { return config_; }
   std::uint64_t seed() const { return seed_; }
-  /// The triangles of everything that never moves.
+  /// The triangles of all objects that never move.
   const WorldMesh& mesh() const { return mesh_; }
-  /// The vehicle around its own origin (on the ground, below its middle, x forward); empty when there is none.
+  /// The vehicle in its own frame, with the origin on the ground below its middle and x forward; empty if there is
+  /// none.
   const WorldMesh& vehicle_mesh() const { return vehicle_mesh_; }
   const std::vector<Stem>& stems() const { return stems_; }
   const WorldCounts& counts() const { return counts_; }
   std::optional<double> ground_height(double x, double y) const { return terrain_.height(x, y); }
-  /// Pose of the vehicle when it stands level on the ground, or nothing outside of the terrain.
+  /// Returns the pose of the vehicle when it stands level on the ground, or nothing outside of the terrain.
   std::optional<Pose> vehicle_pose(double x, double y, double heading_rad) const;
 
  private:
@@ -58,7 +60,7 @@ class World {
   WorldCounts counts_;
 };
 
-/// Writes the static mesh with the vehicle where `T_W_vehicle` puts it, the seed in the header.
+/// Writes the static mesh, and the vehicle if a pose is given, as a PLY file. Its header holds seed and configuration.
 void save_ply(const World& world, const std::optional<Pose>& T_W_vehicle, const std::string& path);
 
 }  // namespace voxnav_simulation

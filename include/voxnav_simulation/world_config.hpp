@@ -74,7 +74,7 @@ struct WorldConfig {
   static void object_fields(V& v);
 };
 
-/// Reads a complete or partial set from a flat YAML file on top of the defaults.
+/// Reads a flat YAML file; parameters that it does not hold keep their defaults.
 /// @throws voxnav::base::ConfigError listing every unknown key, wrong type and value out of range
 WorldConfig load_world_config(const std::string& path);
 

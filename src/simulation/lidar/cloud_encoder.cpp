@@ -14,10 +14,10 @@ struct Layout {
   std::uint32_t point_step;
   bool is_dense;
   bool has_times;
-  std::uint32_t intensity, t, reflectivity, ring, ambient, range;  // offsets in bytes; x, y, z lie at 0, 4, 8
+  std::uint32_t intensity, t, reflectivity, ring, ambient, range;  // offsets in bytes; x, y and z are at 0, 4 and 8
 };
 
-// The Ouster driver copies its aligned point structure as it lies in memory; Gazebo's plugin packs its fields.
+// The Ouster driver copies its aligned point structure from memory with the gaps; Gazebo's plugin packs the fields.
 constexpr Layout kOusterLayout{48, true, true, 16, 20, 24, 26, 28, 32};
 constexpr Layout kGazeboLayout{29, false, false, 12, 21, 25, 16, 27, 17};
 

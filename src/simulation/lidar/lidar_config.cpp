@@ -11,12 +11,12 @@ constexpr std::size_t kMaxBeams = 256;
 constexpr std::size_t kCapsuleNumbers = 7;
 constexpr std::size_t kMaxCapsules = 100;
 
-/// Evenly spaced beams between +half and -half of the vertical field of view.
+/// The number of beams and the vertical field of view over which they are spaced evenly.
 struct BeamTable {
   int beams;
   double vertical_fov_rad;
 };
-// Figures of the data sheets; for the OS1-16, which MRS UAVs carry, of Ouster's first generation.
+// The figures are from data sheets; those of the OS1-16, which MRS UAVs carry, from that of Ouster's first generation.
 const std::map<BeamModel, BeamTable> kBeamTables{
     {BeamModel::kOs0With128, {128, 90.0 * kDegree}}, {BeamModel::kOs0With64, {64, 90.0 * kDegree}},
     {BeamModel::kOs0With32, {32, 90.0 * kDegree}},   {BeamModel::kOs1With16, {16, 33.2 * kDegree}},

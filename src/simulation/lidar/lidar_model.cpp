@@ -13,19 +13,21 @@ namespace voxnav_simulation {
 namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
-// Ground and bark are rough: a beam that grazes them meets facets that face it.
+// The share of the reflectance that remains at grazing incidence: ground and bark are rough and have facets that face
+// the beam.
 constexpr float kRoughShare = 0.15F;
 
-/// Keys under which one beam draws its numbers, so that these are independent of each other.
+/// Keys of the random numbers of one beam, so that they are independent of each other.
 enum Draw : std::uint64_t { kRangeDraw = 1, kSignalDraw = 2, kDropoutDraw = 3, kGhostDraw = 4 };
 
 std::uint64_t draw(std::uint64_t key, Draw which) { return mix_bits(key + which); }
 
-/// A number in [0, 1), made from the upper or the lower half of a draw.
+/// Returns a number in [0, 1) from the upper or the lower bits of a draw.
 float upper_uniform(std::uint64_t bits) { return static_cast<float>(bits >> 40) * 0x1.0p-24F; }
 float lower_uniform(std::uint64_t bits) { return static_cast<float>(bits & 0xFFFFFFU) * 0x1.0p-24F; }
 
-/// A nearly standard normal number, never beyond 3.46: the sum of four uniform numbers costs a fraction of a logarithm.
+/// Returns a number that is nearly standard normal and never beyond 3.46. It is the sum of four uniform numbers, which
+/// costs a fraction of the logarithm that an exact normal number needs.
 float normal(std::uint64_t bits) {
   const auto sum =
       static_cast<float>((bits & 0xFFFFU) + ((bits >> 16) & 0xFFFFU) + ((bits >> 32) & 0xFFFFU) + (bits >> 48));
@@ -43,7 +45,7 @@ LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
   const double azimuth = config_.sun_azimuth_rad, elevation = config_.sun_elevation_rad;
   sun_W_ = Vec3f(static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
                  static_cast<float>(std::cos(elevation) * std::sin(azimuth)), static_cast<float>(std::sin(elevation)));
-  // An opening of half a turn means every beam, also one whose cosine was rounded to just below -1.
+  // A half angle of pi stands for every beam, including one whose cosine was rounded to just below -1.
   cos_sun_half_angle_ =
       config_.sun_half_angle_rad > 3.14 ? -2.0F : static_cast<float>(std::cos(config_.sun_half_angle_rad));
   const OwnBody body(config_);

@@ -17,7 +17,7 @@ double sphere_range(const Vec3& direction, const Vec3& center, double radius) {
   return range > 0.0 ? range : kInfinity;
 }
 
-/// Range to the round side of the rod, between its two ends.
+/// Returns the range to the round side of a capsule, between its two ends; infinite if the beam misses it.
 double tube_range(const Vec3& direction, const Vec3& a, const Vec3& b, double radius) {
   const double length = (b - a).norm();
   if (length < 1e-9) return kInfinity;

@@ -7,12 +7,12 @@
 
 namespace voxnav_simulation {
 
-/// The parts of the UAV as its own sensor sees them. They move with the sensor, so that the range of every beam to them
-/// is known beforehand.
+/// The parts of the UAV that its own sensor sees. They move with the sensor, so that the range of every beam to them
+/// can be computed once.
 class OwnBody {
  public:
   explicit OwnBody(const LidarConfig& config);
-  /// Range to the first part along a unit direction from the sensor's origin; infinite when there is none.
+  /// Returns the range to the first part along a unit direction from the sensor's origin; infinite if there is none.
   double range_m(const Vec3& direction_L) const;
 
  private:

@@ -9,9 +9,9 @@ namespace {
 using voxnav::base::StampNs;
 
 constexpr std::size_t kMaxPoses = 4096;          // enough for a turn of 1 s at 1 kHz
-constexpr StampNs kMaxTruthGapNs = 100'000'000;  // truth comes at 100 Hz or faster
+constexpr StampNs kMaxTruthGapNs = 100'000'000;  // ten times the interval of true poses, which come at 100 Hz or more
 
-/// Quotient rounded towards plus infinity, for negative numbers too.
+/// Returns the quotient rounded towards plus infinity, for negative numbers too.
 std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b - 1) / b : -((-a) / b); }
 
 }  // namespace

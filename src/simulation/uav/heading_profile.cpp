@@ -13,7 +13,7 @@ constexpr double kMinSpeedForHeading = 0.3;
 constexpr int kMaxSettleSteps = 6000;
 using voxnav::geometry::wrap_angle;
 
-/// Headings along straight lines in time through (step, heading) knots, without jumps of a full turn.
+/// Interpolates headings linearly between (step, heading) knots, without jumps of a full turn.
 class Knots {
  public:
   void add(std::size_t step, double heading) {

@@ -7,8 +7,9 @@
 
 namespace voxnav_simulation {
 
-/// Headings for positions given every fine step, within the heading limits: a tracker with these limits follows the
-/// headings that the request wants. The last position is repeated until the heading has arrived.
+/// Returns a heading for each of the positions, which are given at every fine step. The headings respect the limits,
+/// because a simulated tracker with these limits follows those that the request asks for. The last position is repeated
+/// until the heading has been reached.
 /// @param waypoint_steps  step at which each of `waypoints` is passed
 std::vector<double> heading_profile(const PathRequest& request, const std::vector<HeadedPoint>& waypoints,
                                     const TrackerAxisLimits& limits, const std::vector<std::size_t>& waypoint_steps,

@@ -8,7 +8,7 @@ namespace {
 
 using voxnav::base::StampNs;
 
-/// Far more reports than ever overtake their announcements; older ones are forgotten.
+/// The number of counts that are kept: far more than there are reports that arrive before their announcements.
 constexpr std::size_t kMaxBegun = 1000;
 
 }  // namespace
@@ -32,7 +32,7 @@ bool LockStep::report(const std::string& node, StampNs stamp_ns) {
     return false;
   }
   const bool was_left_behind = it->second.is_left_behind;
-  // A late or repeated report does not take back an earlier one.
+  // A report that arrives late or twice must not move the stamp back.
   it->second.stamp_ns = std::max(it->second.stamp_ns, stamp_ns);
   it->second.has_reported = true;
   it->second.is_left_behind = false;

@@ -10,8 +10,9 @@ SmoothingWindows::SmoothingWindows(const TrackerLimits& limits, double max_devia
   const double a = limits.horizontal.acceleration;
   const double a_over_j = std::max(limits.horizontal.acceleration / limits.horizontal.jerk,
                                    limits.vertical_acceleration() / limits.vertical_jerk());
-  // A corner taken at speed v deviates by v c T / 4 and needs 2 v c / T: both reach their limits at this T. Straight
-  // acceleration followed by braking needs 2 a / T <= j.
+  // A corner of turn c that is taken at speed v with a window of width T deviates by v c T / 4 and needs the
+  // acceleration 2 v c / T. Both reach their limits at this T. Acceleration along a straight line followed by braking
+  // needs 2 a / T <= j.
   const double width_s = std::max({std::min(std::sqrt(8 * max_deviation_m / a), 1.0), 2 * a_over_j, 0.2});
   velocity_steps = static_cast<int>(std::ceil(0.5 * width_s / kFineStep_s));
   acceleration_steps = static_cast<int>(std::ceil(0.5 * std::max(1.5 * a_over_j, 0.1) / kFineStep_s));
@@ -26,7 +27,7 @@ double SmoothingWindows::mean_s() const {
 std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half) {
   const std::size_t width = 2 * static_cast<std::size_t>(half) + 1;
   if (in.size() < width) return {};
-  // Sums are taken relative to the first sample, so that large coordinates cost no precision.
+  // Sums are relative to the first sample, so that large coordinates cost no precision.
   const Vec3 origin = in.front();
   std::vector<Vec3> sums(in.size() + 1, Vec3::Zero());
   for (std::size_t i = 0; i < in.size(); ++i) sums[i + 1] = sums[i] + (in[i] - origin);

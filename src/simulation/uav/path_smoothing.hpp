@@ -9,7 +9,7 @@ namespace voxnav_simulation {
 
 constexpr double kFineStep_s = 0.01;
 
-/// Half widths, in fine steps, of the two windows positions are averaged over.
+/// The half widths, in fine steps, of the two windows over which positions are averaged.
 struct SmoothingWindows {
   SmoothingWindows(const TrackerLimits& limits, double max_deviation_m);
   int velocity_steps;      ///< window that bounds the acceleration at corners
@@ -17,15 +17,16 @@ struct SmoothingWindows {
   int steps() const { return velocity_steps + acceleration_steps; }
   double width_s() const { return (2 * velocity_steps + 1) * kFineStep_s; }
   double half_s() const { return steps() * kFineStep_s; }
-  /// Mean distance in time of the averaged samples: a corner is cut by this times speed times Polyline::turn.
+  /// Returns the mean distance in time of the averaged samples. A corner is cut by this times the speed times
+  /// Polyline::turn().
   double mean_s() const;
 };
 
-/// Averages over 2 * half + 1 neighbours. @return 2 * half samples fewer than were given
+/// Averages over 2 * half + 1 neighbours. The result has 2 * half samples fewer than the input.
 std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half);
 
-/// For each sample, the share of the present speed that would respect acceleration and jerk limits (1 where they are
-/// respected already).
+/// Returns for each sample the share of its present speed that would respect the limits of acceleration and jerk, which
+/// is 1 where they are respected already.
 std::vector<double> limit_ratios(const std::vector<Vec3>& positions, const TrackerLimits& limits);
 
 }  // namespace voxnav_simulation

@@ -12,7 +12,7 @@ constexpr double kNodeSpacing_m = 0.05;
 constexpr double kMaxNodes = 20000;
 constexpr double kTangentialShareNearTurns = 0.6;
 
-/// The largest multiple of a unit vector whose horizontal and vertical parts stay within their limits.
+/// Returns the largest multiple of a unit vector whose horizontal and vertical parts stay within their limits.
 double along(const Vec3& direction, double horizontal, double vertical) {
   const double h = direction.head<2>().norm();
   const double v = std::abs(direction.z());
@@ -109,7 +109,8 @@ bool SpeedProfile::solve(double start_speed) {
     const double room = 2 * nodes_[i - 1].acceleration * length;
     const double before = std::pow(nodes_[i - 1].speed, 2);
     nodes_[i].speed = std::min(nodes_[i].speed, std::sqrt(before + room));
-    // The vehicle is faster than allowed at the start: it brakes as hard as allowed, which may or may not be enough.
+    // If the vehicle is faster at the start than the profile allows, it brakes as hard as allowed. It may exceed the
+    // speeds of nodes on straight lines meanwhile, but not those of corners.
     const double slowest = std::sqrt(std::max(0.0, before - room * (1 + 1e-9)));
     if (nodes_[i].speed < slowest - 1e-6) {
       if (nodes_[i].is_vertex || nodes_[i].cap < 0.05) return false;
@@ -121,7 +122,7 @@ bool SpeedProfile::solve(double start_speed) {
 
 std::vector<SpeedProfile::Sample> SpeedProfile::sample(double dt_s, double dwell_s, std::size_t max_samples) const {
   std::vector<Sample> out;
-  double time = 0;  // at the node that begins the interval
+  double time = 0;  // the time at the first node of the interval
   std::size_t next = 0;
   for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {
     const Node& a = nodes_[i];

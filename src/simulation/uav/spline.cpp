@@ -10,7 +10,8 @@ Spline::Spline(std::vector<Point> points, double dt_s)
     : points_(std::move(points)), curvatures_(points_.size(), Point::Zero()), dt_s_(dt_s) {
   const std::size_t n = points_.size();
   if (n < 3) return;
-  // Tridiagonal system m[i-1] + 4 m[i] + m[i+1] = 6 / dt^2 (second differences), by forward elimination.
+  // The second derivatives m solve the tridiagonal system m[i-1] + 4 m[i] + m[i+1] = 6 / dt^2 times the second
+  // differences of the points; it is solved by forward elimination and back substitution.
   std::vector<double> factor(n, 0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double pivot = 4 - factor[i - 1];

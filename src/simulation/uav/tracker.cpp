@@ -38,7 +38,8 @@ FullReference reference_of(const Spline::Value& value) {
 
 MotionLimits motion_limits(const TrackerAxisLimits& limits) { return {limits.speed, limits.acceleration, limits.jerk}; }
 
-/// Upwards and downwards may differ in speed, so the wanted direction decides; acceleration and jerk hold for both.
+/// Returns the limits of the vertical motion. The limits of speed may differ upwards and downwards, so the direction of
+/// the reference decides; acceleration and jerk have the same limit both ways.
 MotionLimits vertical_limits(const TrackerLimits& limits, const MotionReference<1>& reference, double z) {
   const bool is_up = reference.has_position ? reference.position[0] > z : false;
   return {is_up ? limits.ascending.speed : limits.descending.speed, limits.vertical_acceleration(),
@@ -135,7 +136,7 @@ Tracker::Motion Tracker::next(const Motion& motion) const {
     out.time_s += kStep_s;
     if (trajectory_->is_loop && out.time_s > trajectory_->spline.duration_s())
       out.time_s -= trajectory_->spline.duration_s();
-    // The reference is taken at this instant, not one step ahead, so that a state that is on it stays on it.
+    // The reference is taken at this instant rather than one step ahead, so that a state on the trajectory stays on it.
     reference = reference_of(trajectory_->spline.at(motion.time_s));
   } else {
     reference = reference_at(motion.goal);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One attempt at a trajectory: its lines, its speeds, and where it breaks a limit.
+// The parts of an attempt at a trajectory: its lines, its speeds, and the check against the limits.
 #include "trajectory_attempt.hpp"
 
 #include <algorithm>
@@ -16,8 +16,9 @@ constexpr double kCornerShare = 0.75;   ///< share of the acceleration in the fi
 
 }  // namespace
 
-/// The straight lines that are flown: after the smoothing's half width at constant velocity, the distance to brake
-/// (its share `braking_ratio`) straight on, then the waypoints. Waypoints already reached on the way are left out.
+/// Returns the vertices of the straight lines that are flown: the end of the smoothing's half width at constant
+/// velocity, the end of the share `braking_ratio` of the braking distance straight on, and the waypoints. Waypoints
+/// that were reached before the first vertex are left out.
 std::vector<Vec3> Generator::vertices(double braking_ratio, std::vector<std::size_t>* waypoint_vertices) const {
   std::vector<Vec3> out{start_ + velocity_ * windows_.half_s()};
   const double speed = velocity_.norm();
@@ -44,7 +45,7 @@ std::vector<Vec3> Generator::vertices(double braking_ratio, std::vector<std::siz
 double Generator::corner_speed(const Polyline& path, std::size_t vertex) const {
   Vec3 before = vertex > 0 ? path.direction(vertex - 1) : velocity_;
   if (vertex == 0 && before.norm() > 1e-9) before.normalize();
-  const Vec3 change = path.direction(vertex) - before;  // change of velocity per unit of speed
+  const Vec3 change = path.direction(vertex) - before;  // the change of velocity per unit of speed
   const double turn = 0.5 * change.norm();
   if (turn < 1e-6) return limits_.horizontal.speed + limits_.ascending.speed + velocity_.norm();
   const double budget = kCornerShare * windows_.width_s();
@@ -53,7 +54,8 @@ double Generator::corner_speed(const Polyline& path, std::size_t vertex) const {
   return std::min({deviation_m_ / (turn * windows_.mean_s()), horizontal, vertical});
 }
 
-/// How far from each vertex its turn is felt: half a window at the speed of the corner, and accelerating from there.
+/// Returns the distance from each vertex within which its turn needs acceleration: what the vehicle flies in half a
+/// window if it accelerates from the speed of the corner.
 std::vector<double> Generator::reserves(const Polyline& path) const {
   std::vector<double> out(path.vertices().size(), 0.0);
   const double half_s = 0.5 * windows_.width_s();
@@ -84,7 +86,7 @@ bool Generator::fly(const Polyline& path, const SpeedProfile& profile, Attempt* 
   return true;
 }
 
-/// For each sample of the attempt, the share of its present speed that would respect every limit.
+/// Returns for each sample of the attempt the share of its present speed that would respect every limit.
 std::vector<double> Generator::check(const Polyline& path, Attempt* attempt) const {
   std::vector<double> ratios = limit_ratios(attempt->positions, limits_);
   const auto window = 2 * static_cast<std::size_t>(windows_.steps());
@@ -96,7 +98,7 @@ std::vector<double> Generator::check(const Polyline& path, Attempt* attempt) con
     attempt->deviation_m = std::max(attempt->deviation_m, distance);
     if (distance > deviation_m_) ratios[i] = std::min(ratios[i], deviation_m_ / distance);
   }
-  // The corner itself must be met as well: there the cut is deeper than the distance to either line.
+  // The trajectory must also pass near the corner itself, from which it is farther away than from either line.
   for (std::size_t i = 0; i < attempt->positions.size(); ++i) {
     const SpeedProfile::Sample& centre = attempt->raw[i + window / 2];
     const SpeedProfile::Sample& next = attempt->raw[i + window / 2 + 1];
@@ -109,7 +111,7 @@ std::vector<double> Generator::check(const Polyline& path, Attempt* attempt) con
   return ratios;
 }
 
-/// Lowers the speed wherever samples break a limit. @return false when nothing had to be lowered
+/// Lowers the speed wherever samples break a limit. @return false if no sample does
 bool Generator::slow_down(const std::vector<double>& ratios, const Attempt& attempt, SpeedProfile* profile) const {
   const auto window = 2 * static_cast<std::size_t>(windows_.steps());
   bool has_changed = false;

@@ -11,7 +11,7 @@
 
 namespace voxnav_simulation {
 
-/// Everything about one attempt to fly the waypoints.
+/// The result of one attempt to fly the waypoints.
 struct Attempt {
   std::vector<Vec3> positions;  ///< smoothed positions, one per fine step
   std::vector<SpeedProfile::Sample>
@@ -21,7 +21,7 @@ struct Attempt {
   int iterations = 0;
 };
 
-/// One request with one width of smoothing.
+/// Generates the trajectory for one request with one width of smoothing.
 class Generator {
  public:
   Generator(const TrajectoryGeneratorConfig& config, const PathRequest& request, double window_share)
@@ -54,7 +54,7 @@ class Generator {
   double deviation_m_;
   SmoothingWindows windows_;
   std::vector<HeadedPoint> waypoints_;
-  std::vector<Vec3> lead_;        ///< fine samples during which the acceleration of the start goes to zero
+  std::vector<Vec3> lead_;        ///< fine samples during which the acceleration of the start state goes to zero
   Vec3 start_ = Vec3::Zero();     ///< position at the end of lead_
   Vec3 velocity_ = Vec3::Zero();  ///< velocity at start_
 };

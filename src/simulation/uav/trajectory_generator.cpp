@@ -48,7 +48,7 @@ void Generator::prepare() {
   if (request_.start) settle_acceleration();
 }
 
-/// Takes the acceleration to zero with constant jerk, so that the rest starts at constant velocity.
+/// Reduces the acceleration to zero with constant jerk, because what follows assumes a start at constant velocity.
 void Generator::settle_acceleration() {
   const KinematicState& s = *request_.start;
   const double needed_s = std::max(s.acceleration.head<2>().norm() / limits_.horizontal.jerk,
@@ -68,7 +68,7 @@ void Generator::settle_acceleration() {
 std::optional<Attempt> Generator::attempt(double braking_ratio, bool stop_everywhere, bool* is_too_long) const {
   Attempt out;
   const Polyline path(vertices(braking_ratio, &out.waypoint_vertices));
-  if (path.vertices().size() < 2) {  // only the length that smoothing adds is flown
+  if (path.vertices().size() < 2) {  // all waypoints are where the vehicle is
     const auto half = static_cast<std::size_t>(windows_.steps());
     if (velocity_.norm() > 1e-3) return std::nullopt;
     out.raw.assign(2 * half + 1, {path.vertices().front(), 0, 0});
@@ -108,8 +108,8 @@ std::optional<Attempt> Generator::best_attempt(GeneratedTrajectory* out) const {
   return attempt(1.0, true, &is_too_long);
 }
 
-/// The fine step at which the trajectory is nearest to each waypoint. Averages are centred, so that this is the step at
-/// which the unsmoothed point is there.
+/// Returns the fine step at which the trajectory is nearest to each waypoint. It is searched along the line before the
+/// waypoint: as averages are centred, the unsmoothed point is near the waypoint at the same step.
 std::vector<std::size_t> Generator::waypoint_steps(const Attempt& attempt, std::size_t offset) const {
   const auto half = static_cast<std::size_t>(windows_.steps());
   std::vector<std::size_t> out;
@@ -148,7 +148,7 @@ void Generator::finish(const Attempt& attempt, GeneratedTrajectory* out) const {
 }
 
 GeneratedTrajectory generate_trajectory(const TrajectoryGeneratorConfig& config, const PathRequest& request) {
-  // Wide windows take corners faster and narrow ones start and stop faster, so both are tried.
+  // Corners are faster with wide windows, starts and stops with narrow ones, so both are tried.
   GeneratedTrajectory wide = Generator(config, request, 1.0).run();
   if (!wide.is_valid) return wide;
   GeneratedTrajectory narrow = Generator(config, request, 0.2).run();

@@ -41,7 +41,7 @@ Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig&
   imu_.accel = Vec3(0, 0, kGravity);
 }
 
-/// While the vehicle stands on the ground its true pose stays and its estimate drifts.
+/// Makes a step of a vehicle that stands on the ground: its true pose stays the same and its estimate drifts.
 void Uav::stand() {
   KinematicState state;
   state.position = standing_W_ + drift_.position();
@@ -100,7 +100,7 @@ std::optional<double> Uav::height_m() const {
 std::optional<double> Uav::rangefinder() {
   const auto height = height_m();
   if (!height) return std::nullopt;
-  // The ground is taken as level below the vehicle.
+  // The ground below the vehicle is assumed to be level.
   const double range = *height / truth_.pose.linear()(2, 2) + config_.rangefinder_noise_m * random_.normal();
   if (range > config_.rangefinder_max_m) return std::nullopt;
   return std::max(range, 0.0);
@@ -111,7 +111,7 @@ void Uav::update_phase() {
   if (phase_ != FlightPhase::kLanding) return;
   const double above_m = height_m().value_or(config_.standing_height_m) - config_.standing_height_m;
   if (above_m > 0.02 || tracker_.state().velocity.norm() > 0.1) {
-    // The estimate drifts on the way down, so the place to land at has to be aimed at anew.
+    // The estimate drifts on the way down, so the height of the goal is corrected close to the ground.
     HeadedPoint goal = tracker_.goal();
     const double goal_z = tracker_.state().position.z() - above_m;
     if (above_m < 0.5 && std::abs(goal.position.z() - goal_z) > 0.005) {
@@ -151,7 +151,7 @@ CommandResult Uav::take_off() {
 CommandResult Uav::land() {
   if (phase_ == FlightPhase::kIdle) return refused("not flying");
   if (phase_ == FlightPhase::kLanding) return refused("already landing");
-  // The approach law brakes by itself, so the horizontal goal is where the vehicle would come to a stop.
+  // The horizontal goal is where braking ends, so that the tracker, which brakes before its goal, does not turn back.
   const KinematicState s = tracker_.state();
   const double a = tracker_.limits().horizontal.acceleration;
   const Vec3 horizontal(s.velocity.x(), s.velocity.y(), 0);

@@ -9,9 +9,9 @@ namespace {
 
 constexpr double kWallThicknessM = 0.25;
 constexpr double kBuildingGapM = 3.0;
-constexpr double kFoundationM = 2.0;  // walls reach this far below the floor, so that no gap shows on slopes
+constexpr double kFoundationM = 2.0;  // depth of walls below the floor, so that no gap shows on slopes
 
-/// A box whose floor is `kFoundationM` below and whose top is `height_m` above the origin of T_W_building.
+/// Appends a box whose bottom is kFoundationM below the origin of T_W_building and whose top is size_m.z() above it.
 void append_block(WorldMesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
   Pose T_building_box = Pose::Identity();
   T_building_box.translation().z() = 0.5 * (size_m.z() - kFoundationM);
@@ -19,7 +19,7 @@ void append_block(WorldMesh* mesh, const Pose& T_W_building, const Vec3& size_m)
   append_box(mesh, T_W_building * T_building_box, edges, SurfaceClass::kBuilding);
 }
 
-/// Two slopes and two gables on top of a block; the ridge runs along x.
+/// Appends a gable roof on top of a block: two slopes and two gables, with the ridge along x.
 void append_roof(WorldMesh* mesh, const Pose& T_W_building, const Vec3& size_m) {
   const double x = 0.5 * size_m.x() + 0.3, y = 0.5 * size_m.y() + 0.3, low = size_m.z(), high = low + 0.5 * y * 2.0;
   const std::array<Vec3, 6> corners{Vec3(-x, -y, low), Vec3(x, -y, low),  Vec3(x, y, low),

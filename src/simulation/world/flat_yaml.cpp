@@ -14,12 +14,12 @@ using voxnav::base::ConfigError;
 using voxnav::base::Value;
 using voxnav::base::ValueMap;
 
-/// "file:line: ", counted from one.
+/// Returns "file:line: " for messages, with lines counted from one.
 std::string place(const std::string& origin, const YAML::Mark& mark) {
   return origin + ":" + std::to_string(mark.line + 1) + ": ";
 }
 
-/// YAML itself only knows text; which text is a number is up to who reads it. Quoted text never is one.
+/// Returns the value of a scalar. yaml-cpp leaves it to the caller whether a text is a number; quoted text never is.
 std::optional<Value> scalar(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   const std::string& text = node.Scalar();

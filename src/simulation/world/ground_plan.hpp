@@ -17,8 +17,8 @@ class GroundPlan {
  public:
   explicit GroundPlan(const WorldConfig& config);
 
-  /// A random place inside the populated area that is at least `gap_m` away from everything placed before,
-  /// measured between the rims of the footprints; remembers it. Gives up after a bounded number of tries.
+  /// Reserves a random place in the populated area whose footprint is at least `gap_m` away from all others, and
+  /// returns its centre; nothing after a bounded number of tries.
   std::optional<Eigen::Vector2d> find(double radius_m, double gap_m, Rng* rng);
   void add(const Eigen::Vector2d& center, double radius_m);
 

@@ -6,14 +6,14 @@
 
 namespace voxnav_simulation {
 
-/// A direction that is uniformly distributed on the unit sphere.
+/// Returns a direction that is uniformly distributed on the unit sphere.
 inline Vec3 random_direction(Rng* rng) {
   const double z = rng->uniform(-1.0, 1.0), angle = rng->uniform(0.0, 2.0 * M_PI);
   const double r = std::sqrt(1.0 - z * z);
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// Adds an equilateral leaf of the given edge length, turned any way.
+/// Appends an equilateral leaf of the given edge length in a random orientation.
 inline void append_random_leaf(const Vec3& center, double edge_m, Rng* rng, WorldMesh* mesh) {
   const Vec3 normal = random_direction(rng);
   const Vec3 u = normal.cross(random_direction(rng)).normalized();

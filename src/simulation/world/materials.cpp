@@ -9,7 +9,7 @@ struct Entry {
   Material material;
 };
 
-// Leaves are bright in the near infrared (chlorophyll does not absorb there), bark and soil are dull.
+// Leaves are bright in the near infrared, because chlorophyll does not absorb it; bark and soil are dark.
 constexpr std::array<Entry, kNumSurfaceClasses> kEntries{{
     {"terrain", {0.30, {124, 104, 70}}},
     {"trunk", {0.25, {92, 64, 40}}},

@@ -7,7 +7,7 @@
 namespace voxnav_simulation {
 namespace {
 
-/// Two unit vectors that make a right-handed frame with `axis`.
+/// Returns two unit vectors that form a right-handed frame with `axis`.
 std::pair<Vec3, Vec3> perpendiculars(const Vec3& axis) {
   const Vec3 helper = std::abs(axis.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX();
   const Vec3 u = axis.cross(helper).normalized();

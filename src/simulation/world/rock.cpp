@@ -22,7 +22,7 @@ Sphere icosahedron() {
       for (const Vec3& p : {Vec3(a, b, 0), Vec3(0, a, b), Vec3(b, 0, a)}) out.corners.push_back(p.normalized());
     }
   }
-  // The faces are the triples of corners that are one edge apart.
+  // The faces of an icosahedron are the triples of corners whose distances are one edge length.
   const double edge = (Vec3(-1, g, 0) - Vec3(1, g, 0)).norm() / std::sqrt(1.0 + g * g);
   const auto is_edge = [&](std::uint32_t i, std::uint32_t j) {
     return std::abs((out.corners[i] - out.corners[j]).norm() - edge) < 1e-6;
@@ -37,7 +37,7 @@ Sphere icosahedron() {
   return out;
 }
 
-/// Splits each face into four, whose new corners are moved out onto the sphere.
+/// Splits each face into four, and moves the new corners out onto the sphere.
 Sphere subdivided(const Sphere& in) {
   Sphere out{in.corners, {}};
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;

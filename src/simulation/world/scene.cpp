@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kPacket = 8;
 
-/// Fills the lanes of one packet with rays from one origin.
+/// Fills a packet with rays from one origin. Lanes beyond `count` repeat the last ray.
 void fill_packet(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, RTCRayHit8* p) {
   for (std::size_t i = 0; i < kPacket; ++i) {
     const Vec3f& d = directions[std::min(i, count - 1)];
@@ -80,7 +80,8 @@ std::optional<Pose> Scene::vehicle_pose() const {
 }
 
 std::optional<Nearest> Scene::nearest(const Vec3& p, double max_m) const {
-  // Such a question must not be answered with "far away", which a collision monitor would believe.
+  // Comparisons with NaN are false, so that without this check the result would be "no surface near", and a collision
+  // monitor would believe it.
   if (!p.allFinite() || !(max_m >= 0.0)) throw std::invalid_argument("nearest surface of a point that is not finite");
   std::optional<Nearest> best = static_part_->nearest(p, max_m);
   if (const std::shared_ptr<const Part> part = vehicle()) {

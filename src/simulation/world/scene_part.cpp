@@ -39,7 +39,7 @@ RTCGeometry make_geometry(RTCDevice device, const WorldMesh& mesh, const Pose& T
 
 }  // namespace
 
-// One thread builds the tree: the caller decides about threads, and the result does not depend on them.
+// One thread builds the search tree, so that the result does not depend on the number of threads.
 Scene::Device::Device() : handle(rtcNewDevice("threads=1,set_affinity=0")) {
   if (!handle) throw std::runtime_error("Embree device could not be created");
 }
@@ -48,7 +48,7 @@ Scene::Device::~Device() { rtcReleaseDevice(handle); }
 
 Scene::Part::Part(std::shared_ptr<Device> device_in, const WorldMesh& mesh_in, const Pose& T_W_mesh)
     : device(std::move(device_in)), mesh(&mesh_in), T_W_part(T_W_mesh), scene(rtcNewScene(device->handle)) {
-  // The robust mode lets no beam slip through between two terrain triangles.
+  // In robust mode no ray passes through the edge between two triangles.
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   geometry = make_geometry(device->handle, mesh_in, T_W_mesh);
   vertices = static_cast<const float*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
@@ -73,7 +73,7 @@ void Scene::Part::cast(RTCRayHit8* packet, const int* valid, Hit* hits, std::siz
     const Vec3f direction(packet->ray.dir_x[i], packet->ray.dir_y[i], packet->ray.dir_z[i]);
     const float cosine = std::abs(normal.dot(direction)) / std::max(normal.norm(), 1e-30F);
     hits[i] = {packet->ray.tfar[i], std::min(cosine, 1.0F), mesh->classes[packet->hit.primID[i]]};
-    packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;  // so that the next part only reports what is nearer
+    packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;  // so that the next part only reports nearer hits
   }
 }
 

@@ -10,7 +10,7 @@
 
 namespace voxnav_simulation {
 
-/// The device that Embree needs for everything it builds; shared by all parts of a scene.
+/// Embree's device, which all parts of a scene share.
 struct Scene::Device {
   Device();
   ~Device();
@@ -27,8 +27,8 @@ struct Scene::Part {
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;
 
-  /// Casts the valid lanes up to their present far end, writes hits of the first `count` lanes where something
-  /// is met, and shortens those rays.
+  /// Casts the valid lanes up to their present far end. Rays of the first `count` lanes that hit a surface are
+  /// shortened to it, and their hits are written.
   void cast(RTCRayHit8* packet, const int* valid, Hit* hits, std::size_t count) const;
   std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
 

@@ -9,7 +9,7 @@
 
 namespace voxnav_simulation {
 
-/// A world under construction. Each function adds one kind of object and returns how many found room.
+/// A world under construction. Each of the functions below adds one kind of object and returns how many found room.
 struct Site {
   const WorldConfig& config;
   std::uint64_t seed;
@@ -19,7 +19,7 @@ struct Site {
   std::vector<Stem>* stems;
 
   double hectares() const { return config.size_m[0] * config.size_m[1] * 1e-4; }
-  /// A point on the ground; places come from inside the terrain.
+  /// Returns the point on the ground at x, y, which must be inside the terrain.
   Vec3 on_ground(const Eigen::Vector2d& p) const { return {p.x(), p.y(), terrain.height(p.x(), p.y()).value()}; }
 };
 
@@ -29,9 +29,9 @@ int place_poles(Site* site);
 int place_rocks(Site* site);
 int build_walls(Site* site);
 int build_houses(Site* site);
-/// A fire truck around its own origin: on the ground below its middle, x forward.
+/// Returns a fire truck in its own frame, with the origin on the ground below its middle and x forward.
 WorldMesh make_fire_truck();
-/// Footprint of the fire truck, as a disc.
+/// The radius of a disc that contains the footprint of the fire truck.
 inline constexpr double kVehicleRadiusM = 4.6;
 
 }  // namespace voxnav_simulation

@@ -5,7 +5,8 @@
 
 namespace voxnav_simulation {
 
-/// Random streams of a world: each kind of object draws from its own.
+/// The streams of random numbers of a world. Each kind of object has its own, so that a change of one kind leaves the
+/// others as they are.
 enum Stream : std::uint64_t {
   kTerrainStream = 1,
   kTreeStream = 2,

@@ -9,7 +9,7 @@
 namespace voxnav_simulation {
 namespace {
 
-/// One undulation: amplitude * sin(k . p + phase).
+/// One undulation of the ground: amplitude * sin(k . p + phase).
 struct Wave {
   double amplitude_m;
   double kx, ky;
@@ -18,7 +18,8 @@ struct Wave {
   double at(double x, double y) const { return amplitude_m * std::sin(kx * x + ky * y + phase_rad); }
 };
 
-/// Shorter waves are lower in proportion, so that slopes stay alike; together they have the asked deviation.
+/// Returns waves whose amplitude is proportional to their length, so that their slopes are alike, and whose sum has the
+/// configured standard deviation.
 std::vector<Wave> make_waves(const WorldConfig& config, Rng* rng) {
   constexpr int kNumWaves = 10;
   std::vector<Wave> waves;
@@ -60,7 +61,7 @@ Terrain::Terrain(const WorldConfig& config, std::uint64_t seed)
 
 std::optional<double> Terrain::height(double x, double y) const {
   const double gx = (x - min_x_) / cell_m_, gy = (y - min_y_) / cell_m_;
-  // The comparison is written so that NaN lies outside as well.
+  // The comparison is negated as a whole, so that NaN counts as outside.
   if (!(gx >= 0.0 && gy >= 0.0 && gx <= num_x_ - 1 && gy <= num_y_ - 1)) return std::nullopt;
   const int ix = std::min(static_cast<int>(gx), num_x_ - 2), iy = std::min(static_cast<int>(gy), num_y_ - 2);
   const double u = gx - ix, v = gy - iy;

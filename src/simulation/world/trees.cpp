@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTrunkSides = 12;
 constexpr int kBranchSides = 4;
-constexpr double kRootDepthM = 0.4;  // trunks reach below the ground, so that no gap shows on slopes
+constexpr double kRootDepthM = 0.4;  // depth of trunks below the ground, so that no gap shows on slopes
 constexpr double kTopRadiusRatio = 0.3;
 
 struct Tree {
@@ -25,7 +25,7 @@ struct Tree {
   double radius_at(double along_m) const {
     return trunk.radius_a_m + (trunk.radius_b_m - trunk.radius_a_m) * along_m / height_m;
   }
-  /// Radius of the crown at a length along the trunk.
+  /// Returns the radius of the crown at a length along the trunk.
   double crown_reach(double along_m) const {
     const double t = std::clamp((along_m - crown_base_m) / (height_m - crown_base_m), 0.0, 1.0);
     if (is_conifer) return crown_radius_m * (1.0 - 0.95 * t);
@@ -35,7 +35,7 @@ struct Tree {
 
 Vec3 horizontal(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad), 0.0}; }
 
-/// Thin trees are many and low, thick ones few and tall.
+/// Makes a tree of random size. Small sizes are more frequent than large ones, as in a forest.
 Tree make_tree(const WorldConfig& config, const Vec3& ground, Rng* rng) {
   const double size = std::pow(rng->uniform(), 1.5);
   const double radius = config.trunk_radius_min_m + (config.trunk_radius_max_m - config.trunk_radius_min_m) * size;
@@ -78,11 +78,11 @@ void append_branches(const WorldConfig& config, const Tree& tree, Rng* rng, Worl
   }
 }
 
-/// Leaves keep to the outer part of the crown, where the light is.
+/// Appends the leaves of a tree in the outer part of its crown, where the light is.
 void append_crown(const WorldConfig& config, const Tree& tree, Rng* rng, WorldMesh* mesh) {
   const double low = tree.crown_base_m + config.leaf_size_m;
   for (int i = 0; i < config.leaves_per_tree; ++i) {
-    // A cone holds most of its leaves near its base, where it is wide.
+    // The area of a cone grows towards its base, and so does the density of the leaves.
     const double t = tree.is_conifer ? 1.0 - std::sqrt(rng->uniform()) : rng->uniform();
     const double along = low + t * (tree.height_m - low);
     const double out = tree.crown_reach(along) * std::sqrt(rng->uniform(0.1, 1.0));
@@ -100,7 +100,7 @@ int plant_trees(Site* site) {
   for (int i = 0; i < wanted; ++i) {
     const auto place = site->ground_plan.find(0.0, config.tree_spacing_m, &rng);
     if (!place) return i;
-    // A stream per tree: the shape of one does not depend on how many leaves the one before has.
+    // Each tree has a stream of its own, so that its shape does not depend on the number of leaves of other trees.
     Rng shape(rng.next(), kTreeStream);
     const Tree tree = make_tree(config, site->on_ground(*place), &shape);
     append_trunk(tree, site->mesh);

@@ -21,7 +21,7 @@ World::World(const WorldConfig& config, std::uint64_t seed)
   terrain_.append_to(&mesh_);
   Site site{config_, seed, terrain_, GroundPlan(config_), &mesh_, &stems_};
   keep_clear(config_, &site.ground_plan);
-  // Large things are placed first, while there is room for them.
+  // Large objects are placed first, while there is room for them.
   counts_.num_houses = build_houses(&site);
   counts_.num_walls = build_walls(&site);
   counts_.num_trees = plant_trees(&site);

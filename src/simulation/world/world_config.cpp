@@ -6,7 +6,7 @@
 namespace voxnav_simulation {
 namespace {
 
-constexpr double kMaxTriangles = 2.0e7;  // which take about 3 GB in Embree
+constexpr double kMaxTriangles = 2.0e7;  // for which Embree needs about 3 GB of memory
 constexpr double kTrianglesPerTreeWood = 200.0;
 
 bool is_inside(const WorldConfig& c, const std::array<double, 2>& p) {
