@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CloudFilter against the same chain of PCL filters, on one organised cloud of 256 x 1024 points in the Ouster layout.
-// Both keep the same points; the benchmark stops when they do not.
+// CloudFilter is measured beside the same chain of PCL filters, on an organised cloud of 256 x 1024 points in the
+// Ouster layout. Both must keep the same points, otherwise the benchmark stops.
 #include "voxnav/cloud/cloud_filter.hpp"
 
 #include <benchmark/benchmark.h>
@@ -27,7 +27,8 @@ using PclCloud = pcl::PointCloud<pcl::PointXYZI>;
 constexpr std::uint32_t kRows = 256, kColumns = 1024;
 constexpr float kMaxRange_m = 60.0F, kGhostRange_m = 20.0F, kGhostIntensity = 10.0F;
 
-/// A tenth of the beams without return, a twentieth on the own body, the rest between 1 and 80 m.
+/// Returns a cloud in which a tenth of the beams have no return, a twentieth hit the vehicle, and the rest lie between
+/// 1 and 80 m.
 RawCloud forest_like_cloud() {
   RawCloud cloud(kRows, kColumns, 48, voxnav::test::ouster_fields());
   std::mt19937 random(1);
@@ -78,7 +79,7 @@ pcl::PCLPointCloud2 to_pcl(const RawCloud& cloud) {
   return out;
 }
 
-/// x^2 + y^2 + z^2 - range^2, compared with 0.
+/// Returns the PCL condition that compares x^2 + y^2 + z^2 - range^2 with 0.
 pcl::TfQuadraticXYZComparison<pcl::PointXYZI>::Ptr range_is(pcl::ComparisonOps::CompareOp op, float range_m) {
   using Comparison = pcl::TfQuadraticXYZComparison<pcl::PointXYZI>;
   return Comparison::Ptr(new Comparison(op, Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero(), -range_m * range_m));

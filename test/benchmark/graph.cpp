@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// CPU time of the pose graph after each new submap: a lap through an analytic forest, flown again and again, with an
-// odometry that drifts. Prints a row of a Markdown table per flight.
+// Measures the CPU time of the pose graph after each new submap, on laps through an analytic forest with odometry that
+// drifts. It prints a row of a Markdown table for each flight.
 //   benchmark_graph [--submaps=32] [--drift_m=1.8] [--cache_mb=256]
 #include <algorithm>
 #include <cstdio>
@@ -22,11 +22,11 @@ using geometry::Vec3;
 namespace {
 
 struct Flown {
-  Pose T_W_S;  ///< true
+  Pose T_W_S;  ///< the true pose
   std::shared_ptr<const geometry::DistanceField> field;
 };
 
-/// A ring of 24 submaps, 11 m each.
+/// Returns the pose on a ring of 24 submaps, 11 m each.
 Pose pose_on_ring(double way_m) {
   constexpr double kRadiusM = 42.0;
   const double angle = way_m / kRadiusM;
@@ -55,7 +55,7 @@ std::vector<Flown> fly(int num_submaps) {
   return out;
 }
 
-/// A random walk that is scaled to reach `peak_m`.
+/// Returns a random walk that is scaled so that its largest distance is `peak_m`.
 std::vector<Vec3> drift_of(std::size_t n, double peak_m) {
   std::mt19937 rng(5);
   std::normal_distribution<double> step(0.0, 1.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Insertion of one 128 x 1024 scan of an analytic forest (ground and trunks), beside OctoMap on the same points.
+// Measures the insertion of a scan of 128 x 1024 points of an analytic forest (ground and trunks), beside OctoMap with
+// the same points.
 #include "voxnav/occupancy/local_map.hpp"
 
 #include <benchmark/benchmark.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Questions to a local map of an analytic forest at 0.4 m, its outputs, and moves of its window; OctoMap where it has
-// the like. Items per second of the first ones are queries.
+// Measures queries of a local map of an analytic forest at 0.4 m, its outputs, and moves of its window, beside OctoMap
+// where that has the same. Items per second are queries per second where there are queries.
 #include <benchmark/benchmark.h>
 #include <octomap/octomap.h>
 
@@ -43,7 +43,7 @@ octomap::OcTree make_octree() {
   return tree;
 }
 
-/// Places all over the seen part of the forest.
+/// Returns random places in the part of the forest that was seen.
 const std::vector<Vec3>& places() {
   static const std::vector<Vec3> out = [] {
     std::mt19937 rng(3);
@@ -110,7 +110,7 @@ void occupied_points(::benchmark::State& state) {
   state.counters["points"] = static_cast<double>(map.occupied_points().size()) / 3.0;
 }
 
-/// An empty scan that moves the window by a block: what leaves is turned into content for the handover.
+/// Measures an empty scan that moves the window by a block, whose evicted content is made for the handover.
 void window_move(::benchmark::State& state) {
   auto map = make_map();
   const double step_m = 16 * map.config().resolution_m;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Memory of a process that maps a flight of 19 minutes and 1.28 km (111 submaps, out and back beside the way out), with
-// submaps on disk beyond --resident-mb. One CSV row per submap; `--submaps=N` for another length.
+// Measures the memory of a process that maps a flight of 19 minutes and 1.28 km (111 submaps, out and back beside the
+// way out), with submaps on disk beyond --resident-mb. It prints one CSV row per submap; `--submaps=N` sets the length.
 #include <unistd.h>
 
 #include <cstdio>
@@ -50,7 +50,7 @@ struct Process {
   submap::SubmapCollection collection;
   submap::ObstacleMap obstacles{0.4, 1.5};
 
-  /// Flies one submap. @return CPU time of everything after the local map [ms]
+  /// Flies one submap. @return CPU time in ms of all stages after the local map
   double fly(int i, int count) {
     geometry::Pose T_O_L;
     for (int scan = 0; scan < kScans; ++scan) {

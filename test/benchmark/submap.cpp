@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Submaps of a flight through an analytic forest: filling, memory, obstacles, corrections, projective integration, and
-// OctoMap on the same cloud as yardstick. CPU time.
+// Measures submaps of a flight through an analytic forest in CPU time: filling, memory, obstacles, corrections and
+// projective integration, with OctoMap on the same cloud for comparison.
 #include <benchmark/benchmark.h>
 #include <octomap/octomap.h>
 
@@ -41,7 +41,7 @@ submap::SubmapEntry entry_of(std::size_t i, double shift_m = 0.0) {
   entry.id = static_cast<std::uint32_t>(i);
   entry.end_ns = static_cast<base::StampNs>(i);
   entry.T_O_S = flight()[i].T_O_S;
-  // As after a first optimisation: no submap shares the grid of another.
+  // The poses are like those after an optimisation: no submap shares the grid of another.
   entry.T_W_S = geometry::from_position_yaw({shift_m, 0.07 * static_cast<double>(i), 0.01 * static_cast<double>(i)},
                                             0.003 * static_cast<double>(i)) *
                 entry.T_O_S;
@@ -69,7 +69,7 @@ void fill_submap(benchmark::State& state) {
   state.counters["file_kb"] = static_cast<double>(submaps()[i]->to_bytes().size()) * 1e-3;
 }
 
-/// Filling and all that is derived from it: surface points and the distance at every known voxel near a surface.
+/// Measures filling, the surface points, and the distance at every known voxel near a surface.
 void fill_and_use_submap(benchmark::State& state) {
   const auto& content = flight()[4].content;
   for (auto _ : state) {
@@ -85,7 +85,7 @@ void fill_and_use_submap(benchmark::State& state) {
   }
 }
 
-/// A newer submap in a map of the given size.
+/// Measures adding a submap to a map of the given size.
 void obstacles_of_a_new_submap(benchmark::State& state) {
   const auto size = static_cast<std::size_t>(state.range(0));
   submaps();
@@ -100,7 +100,7 @@ void obstacles_of_a_new_submap(benchmark::State& state) {
   }
 }
 
-/// The newest submaps moved, all others stay.
+/// Measures a correction that moves only the newest submaps.
 void correction_of_submaps(benchmark::State& state) {
   Map map;
   for (std::size_t i = 0; i < kSubmaps; ++i) map.collection.add(entry_of(i));
@@ -116,7 +116,7 @@ void correction_of_submaps(benchmark::State& state) {
   state.counters["map_mb"] = static_cast<double>(map.collection.memory_bytes() + map.obstacles.memory_bytes()) * 1e-6;
 }
 
-/// As many submaps as a flight of 19 minutes and 1.28 km leaves: the flight above again and again, each time 66 m on.
+/// Returns a submap of a flight of 19 minutes and 1.28 km: the flight above is repeated, each time 66 m farther on.
 submap::SubmapEntry long_entry(std::size_t i, double shift_m) {
   submap::SubmapEntry entry = entry_of(i % kSubmaps, shift_m);
   entry.id = static_cast<std::uint32_t>(i);
@@ -125,7 +125,7 @@ submap::SubmapEntry long_entry(std::size_t i, double shift_m) {
   return entry;
 }
 
-/// All submaps of the long flight moved; and one new submap at its end.
+/// Measures a correction that moves all submaps of the long flight, and one new submap at its end.
 void correction_of_a_long_flight(benchmark::State& state) {
   constexpr std::size_t kLong = 111;
   Map map;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""No decision compares text: kinds are enums, words are for people (docs/architecture.md)."""
+"""No decision of the sources compares text: kinds are enums, and text is for people (docs/architecture.md)."""
 
 import ast
 import os
@@ -8,8 +8,8 @@ import subprocess
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
-# Where text itself is what is being read: file formats, field names, command lines, names of nodes and scenarios.
-# path: the literals that may be compared there. The empty string may be compared everywhere: it is no word.
+# The literals that may be compared, by file: there the text itself is read, as in file formats, field names, command
+# lines, and names of nodes and scenarios. Comparing with the empty string is allowed everywhere.
 ALLOWED = {
     "src/core/cloud/point_times.cpp": {"t"},
     "src/ros/local_mapper_watch.cpp": {"beam_x"},
@@ -31,7 +31,7 @@ def git_files(*patterns):
 
 
 def cpp_comparisons(text):
-    """Line and literal of every comparison with text."""
+    """Returns line and literal of every comparison with text."""
     found = []
     for number, line in enumerate(text.splitlines(), 1):
         code = line.split("//")[0] if line.lstrip().startswith("//") else line
@@ -41,7 +41,7 @@ def cpp_comparisons(text):
 
 
 def _texts(node):
-    """Text constants that an expression is, or that a tuple, list or set of them holds."""
+    """Returns the text constants of an expression that is one, or a tuple, list or set of them."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return [node.value]
     if isinstance(node, (ast.Tuple, ast.List, ast.Set)):
@@ -50,7 +50,7 @@ def _texts(node):
 
 
 def python_comparisons(text):
-    """Line and literal of every ==, != or `in` with text constants, and of reason.startswith and the like."""
+    """Returns line and literal of every ==, != or `in` with text constants, and of calls like reason.startswith()."""
     found = []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Compare):

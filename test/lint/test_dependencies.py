@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """package.xml declares what the sources include, import, launch, run and find with CMake, and nothing else.
 
-Dependencies are compared by kind: what a test alone uses must not be needed to fly, and what only people on the ground
-look at is asked for only where VOXNAV_GROUND_STATION is 1.
+Dependencies are compared by kind: what only tests use must not be needed to fly, and what only people on the ground
+need is a dependency only where VOXNAV_GROUND_STATION is 1.
 """
 
 import importlib.util
@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 from test_floors import ROOT, git_files
 
-# Packages named otherwise than their headers, Python modules, CMake packages or programs.
+# The packages whose names differ from those of their headers, Python modules, CMake packages or programs.
 HEADERS = {"Eigen": "eigen", "ceres": "libceres-dev", "octomap": "liboctomap-dev", "embree3": "libembree-dev",
            "pcl": "libpcl-all-dev", "pybind11": "pybind11-dev", "ros": "roscpp", "yaml-cpp": "yaml-cpp"}
 MODULES = {"numpy": "python3-numpy", "yaml": "python3-yaml", "scipy": "python3-scipy", "pytest": "python3-pytest",
@@ -24,10 +24,10 @@ CMAKE_PACKAGES = {"Ceres": "libceres-dev", "Eigen3": "eigen", "GTest": "gtest", 
 PROGRAMS = {"Xvfb": "xvfb", "import": "imagemagick", "pointcloud_to_pcd": "pcl_ros", "rviz": "rviz",
             "roslaunch": "roslaunch", "rosnode": "rosnode"}
 GROUND = {"rviz", "xvfb", "imagemagick", "python3-matplotlib", "python3-scipy"}
-# Part of the C library, the compiler or voxnav; generated messages need the generator and its runtime.
+# Names that are not packages, because they belong to the C library, the compiler or voxnav.
 NOT_PACKAGES = {"sys", "voxnav", "voxnav_ros", "voxnav_simulation", "Threads"}
 GENERATED_MESSAGES = {"build": {"message_generation"}, "exec": {"message_runtime"}, "build_export": {"message_runtime"}}
-# Benchmarks are no part of what is installed.
+# Benchmarks are left out, because they are not installed.
 BENCHMARKS = "test/benchmark/"
 
 KINDS = {"depend": ("build", "build_export", "exec"), "build_depend": ("build",),
@@ -36,7 +36,7 @@ KINDS = {"depend": ("build", "build_export", "exec"), "build_depend": ("build",)
 
 
 def declared():
-    """{kind: names}, with the kind "ground" for those under the condition."""
+    """Returns {kind: names}, in which the kind "ground" holds the packages under the condition for ground stations."""
     found = {"build": set(), "build_export": set(), "exec": set(), "test": set(), "ground": set()}
     for element in ElementTree.parse(os.path.join(ROOT, "package.xml")).getroot():
         if element.tag not in KINDS:
@@ -49,7 +49,7 @@ def declared():
 
 
 def matches(pattern, *files):
-    """{what the pattern finds: one file that has it}."""
+    """Returns {text that the pattern finds: a file that holds it}."""
     found = {}
     for path in git_files(*files):
         if path.startswith(BENCHMARKS) or path.startswith("interfaces/"):
@@ -118,12 +118,12 @@ def test_what_public_headers_include_is_exported():
     assert not missing(headers("include/voxnav/*.hpp"), declared()["build_export"])
 
 
-def test_what_runs_is_an_exec_dependency_or_one_of_the_ground():
+def test_what_runs_is_an_exec_dependency_or_one_of_the_ground_station():
     kinds = declared()
     assert not missing(used_to_fly(), kinds["exec"] | kinds["ground"])
 
 
-def test_what_only_people_look_at_is_not_forced_on_an_aircraft():
+def test_packages_of_the_ground_station_are_not_dependencies_of_the_aircraft():
     kinds = declared()
     assert kinds["ground"] == GROUND
     assert not kinds["exec"] & GROUND
@@ -152,5 +152,5 @@ def test_nothing_is_declared_that_is_not_used():
     fly = build | set(used_to_fly()) | GENERATED_MESSAGES["exec"]
     assert not sorted(kinds["build"] - build)
     assert not sorted((kinds["exec"] | kinds["ground"]) - fly)
-    # The tests draw pictures too.
+    # Tests draw pictures, so the packages of the ground station may be test dependencies as well.
     assert not sorted(kinds["test"] - set(used_to_test()) - GROUND - {"gtest"})

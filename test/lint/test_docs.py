@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pages of the documentation point to what is there: files, links, headings and words."""
+"""Files, links, headings and words to which the pages of the documentation refer exist."""
 
 import os
 import re
@@ -11,7 +11,7 @@ from test_floors import ROOT, git_files
 PAGES = git_files("*.md")
 LINK = re.compile(r"(?<!!)\[[^\]]*\]\(([^)\s]+)\)|!\[[^\]]*\]\(([^)\s]+)\)")
 FENCE = re.compile(r"^ *```.*?^ *```$", re.MULTILINE | re.DOTALL)
-# A path of this repository within `...`: it begins with a folder of it.
+# A word within `...` is taken for a path of this repository if it begins with one of its folders.
 FOLDERS = sorted({name.split("/")[0] for name in git_files("*/*")})
 PATH = re.compile(r"`((?:%s)/[^`\s]*)`" % "|".join(re.escape(folder) for folder in FOLDERS))
 
@@ -28,7 +28,10 @@ def anchors(page):
 
 
 def exists(path):
-    """True for a file or folder of the repository; <name> stands for any name, {a,b} for both, * for some."""
+    """Returns whether a file or folder of the repository exists.
+
+    In the path, <name> stands for any name, {a,b} for both a and b, and * for any text.
+    """
     if path.startswith("build/"):
         return True
     pattern = re.escape(path.rstrip("/")).replace(r"\*", "[^/]*")
@@ -82,7 +85,7 @@ def test_every_row_of_the_terminology_is_read():
 
 
 def words_of(text):
-    """Returns a text in lower case, with spaces for what joins words in names: ownSurface, OwnSurface, own_surface."""
+    """Returns a text in lower case, with spaces between the words of names: "own surface" for OwnSurface."""
     return re.sub(r"[\s_-]+", " ", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)).lower()
 
 

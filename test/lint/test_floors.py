@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The floors of the core: a file includes only from its own or a lower floor, and never from ROS."""
+"""A file of the core includes only from its own floor or a lower one, and never from ROS."""
 
 import os
 import re
 import subprocess
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Same number = same floor; see docs/architecture.md.
+# The height of each floor; see docs/architecture.md.
 FLOORS = {
     "base": 0, "geometry": 1, "kernels": 2, "containers": 3, "cloud": 4, "occupancy": 5, "submap": 6, "odometry": 6,
     "graph": 6, "planning": 7, "pipeline": 8,
 }
-# The graph knows DistanceField and the planner OccupancyView, never what is behind them.
+# Pairs (from, to) of floors that may not include each other although the heights allow it: the graph sees submaps only
+# as DistanceField and planning sees maps only as OccupancyView.
 FORBIDDEN = {("graph", "submap"), ("submap", "graph"), ("planning", "occupancy"), ("planning", "submap"),
              ("planning", "graph"), ("planning", "odometry"), ("odometry", "submap"), ("odometry", "graph"),
              ("submap", "odometry"), ("graph", "odometry"), ("graph", "occupancy"), ("odometry", "occupancy")}
-# Only the floor kernels knows of vectors and instruction sets.
+# Words of vector code, which may stand on the floor kernels only.
 VECTOR_CODE = re.compile(r'(\b_mm\d*_\w+|__m(?:128|256|512)\w*|vector_size|__builtin_shuffle\w*|immintrin|arm_neon'
                          r'|\bVOXNAV_WIDE\b|target\(")')
 ROS_HEADER = re.compile(r'#include\s+[<"](ros|nodelet|tf2|tf2_ros|pluginlib|rosbag|\w+_msgs|voxnav_ros)/')

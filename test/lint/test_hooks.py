@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The hooks of .pre-commit-config.yaml download nothing, and look for what make lint looks for."""
+"""The hooks of .pre-commit-config.yaml download nothing, and check what `make lint` checks."""
 
 import os
 import re

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether time is real or waits for the nodes is known in one place; flight code does not ask."""
+"""Only the time seam knows whether time is real or simulated in lock-step; flight code does not depend on it."""
 
 import os
 import re
@@ -7,7 +7,8 @@ import re
 from test_floors import ROOT, git_files
 
 WORDS = re.compile(r"lock[-_ ]?step|is_synchronous", re.IGNORECASE)
-# The seam itself, the simulator with its configuration, what starts and leads a simulation, and texts about it.
+# The files that may mention lock-step: the seam, the simulator with its configuration, the programs that start and lead
+# a simulation, and texts about it.
 ALLOWED = re.compile(
     r"^(include/voxnav_ros/time_seam\.hpp|src/ros/time_seam\.cpp|src/voxnav/nodes/time_seam\.py"
     r"|src/simulation/|src/ros/uav_simulator/|include/voxnav_simulation/|config/uav_simulator\.yaml"
@@ -15,7 +16,7 @@ ALLOWED = re.compile(
     r"|test/|docs/|README\.md|CHANGELOG\.rst|CONTRIBUTING\.md|scripts/dev/)")
 
 
-def test_flight_code_does_not_know_which_time_it_runs_on():
+def test_flight_code_does_not_depend_on_the_kind_of_time():
     found = []
     for path in git_files("*"):
         if ALLOWED.match(path):
@@ -26,7 +27,7 @@ def test_flight_code_does_not_know_which_time_it_runs_on():
     assert not found, "\n".join(found)
 
 
-def test_the_simulation_stands_still_as_long_as_the_seam_expects():
+def test_the_lag_of_the_simulation_is_the_sweep_of_the_seam():
     with open(os.path.join(ROOT, "launch/simulation.launch")) as launch:
         lag_s = re.search(r'name="node/lockstep_lag_s" value="([0-9.]+)"', launch.read()).group(1)
     with open(os.path.join(ROOT, "src/voxnav/nodes/time_seam.py")) as seam:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""include/voxnav is what users of the library include: it compiles without the checkout, and reads as an index."""
+"""The headers in include/voxnav are for users of the library: they include no internal header, and they are few."""
 
 import os
 import re
@@ -37,14 +37,14 @@ def test_public_headers_do_not_show_the_libraries_behind_them():
     assert not shown
 
 
-def test_nobody_outside_the_core_looks_behind_them():
+def test_nothing_outside_the_core_includes_internal_headers():
     internal = re.compile("(?:%s)/" % "|".join(FLOORS))
     looking = [(path, name) for path in git_files(*OUTSIDE) for name in included_by(path) if internal.match(name)]
     assert not looking, "these include headers of src/core"
 
 
-def test_each_of_them_is_for_somebody_outside_the_core():
-    """It is included from there, or by a public header that is."""
+def test_every_public_header_is_used_outside_the_core():
+    """Every public header is included outside the core, or by a public header that is."""
     wanted, found = set(), {name for path in git_files(*OUTSIDE) for name in included_by(path)}
     while found:
         wanted |= found
@@ -53,5 +53,5 @@ def test_each_of_them_is_for_somebody_outside_the_core():
     assert not unwanted, "nobody outside the core needs these"
 
 
-def test_they_are_few_enough_to_be_an_index():
+def test_public_headers_are_few():
     assert len(public_headers()) <= MAX_HEADERS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The README shows the example that test/installed builds and runs, word for word."""
+"""The example in the README is, letter for letter, the program that test/installed builds and runs."""
 
 import os
 import re
@@ -16,4 +16,4 @@ def read(name):
 
 def test_the_example_of_the_readme_is_the_one_that_is_built():
     shown = re.findall(r"```cpp\n(.*?)```", read("README.md"), re.DOTALL)
-    assert shown == [read(EXAMPLE).split("\n", 1)[1]]  # without the line of the licence
+    assert shown == [read(EXAMPLE).split("\n", 1)[1]]  # the README leaves out the line of the licence

@@ -16,7 +16,7 @@ def test_every_cpp_test_is_listed_where_it_lies():
     assert len(files) > 50
     assert not [path for path in files
                 if os.path.basename(path) not in read(os.path.join(os.path.dirname(path), "CMakeLists.txt"))
-                and not path.startswith("test/unit/simulation")]  # listed there by their parts
+                and not path.startswith("test/unit/simulation")]  # CMakeLists.txt puts their names together
 
 
 def test_every_folder_of_unit_tests_is_added():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What must stay in one place stays there: how time runs, and how absence is said."""
+"""Flight code does not depend on how time runs, marks absence by no special number, and calls nothing by text."""
 
 import os
 import re
@@ -7,10 +7,11 @@ import re
 import pytest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Flight code. The simulator, launch files and tests may know how time runs.
+# Flight code is what these folders hold; the simulator, launch files and tests are not part of it.
 FOLDERS = ("include/voxnav", "include/voxnav_ros", "src/core", "src/bindings", "src/ros", "src/voxnav")
 SUFFIXES = (".hpp", ".cpp", ".py")
-# The seam itself, what drives the simulation (the leader of its time, the demonstration), and the simulator's nodelet.
+# The files in these folders that may know how time runs: the seam with its parameters, the programs that drive a
+# simulation (its leader and the demonstrations), and the simulator's nodelet.
 MAY_KNOW_HOW_TIME_RUNS = (
     "include/voxnav/pipeline/time_config.hpp", "include/voxnav_ros/time_seam.hpp", "src/ros/time_seam.cpp",
     "src/voxnav/nodes/time_seam.py", "src/voxnav/nodes/time_leader.py", "src/voxnav/demo/flight.py",
@@ -30,7 +31,7 @@ def flight_code():
 
 
 def places(pattern, allowed=()):
-    """Returns the lines of flight code that match, as path:line, but for those below the allowed paths."""
+    """Returns the lines of flight code that match, as path:line, without those below the allowed paths."""
     return ["%s:%d" % (path, text[:match.start()].count("\n") + 1) for path, text in flight_code()
             if not path.startswith(allowed) for match in re.finditer(pattern, text)]
 
@@ -39,10 +40,10 @@ def test_only_the_seam_knows_whether_a_simulation_waits():
     assert places(r"lockstep|is_synchronous|waits_for_simulation", MAY_KNOW_HOW_TIME_RUNS) == []
 
 
-def test_absence_is_no_number():
+def test_no_special_number_stands_for_absence():
     assert places(r"\b1e1[78]\b") == []
 
 
 @pytest.mark.parametrize("pattern", [r"getattr\(self, \"_?[a-z]+_\" \+"])
-def test_nothing_is_called_by_a_name_that_is_put_together(pattern):
+def test_no_method_is_called_by_a_computed_name(pattern):
     assert places(pattern) == []

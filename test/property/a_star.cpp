@@ -39,7 +39,7 @@ bool is_clear(const containers::StateGrid& grid, const Index3& from, const Index
   return true;
 }
 
-/// Textbook Dijkstra over an ordered set; infinity when the goal cannot be reached.
+/// Returns the cost that Dijkstra's algorithm finds, or infinity if the goal cannot be reached.
 double dijkstra(const containers::StateGrid& grid, const Index3& start, const Index3& goal) {
   std::map<Index3, double> cost = {{start, 0.0}};
   std::set<std::pair<double, Index3>> open = {{0.0, start}};
@@ -117,7 +117,7 @@ TEST(AStarProperty, CostEqualsDijkstraOnRandomGrids) {
   EXPECT_GT(num_blocked, 2) << "the grids must also hold queries without a way";
 }
 
-TEST(AStarProperty, AWeightedSearchIsAtMostThatFactorDearer) {
+TEST(AStarProperty, AWeightedSearchCostsAtMostTheWeightTimesTheOptimum) {
   for (const double weight : {1.0, 1.2, 2.0, 5.0}) {
     planning::AStarConfig config;
     config.safety_distance_m = 0.0;
@@ -145,7 +145,7 @@ TEST(AStarProperty, AWeightedSearchExpandsNoCellTwice) {
     for (int seed = 300; seed < 310; ++seed) {
       std::mt19937 rng(static_cast<unsigned>(seed));
       const auto grid = random_grid(&rng, 30);
-      // A shell around the goal, so that everything that can be reached is expanded.
+      // The goal is enclosed, so that every cell that can be reached is expanded.
       const Index3 goal{kSide - 3, kSide - 3, kSide - 3};
       for (int move = 0; move < 27; ++move) {
         const Index3 step{move % 3 - 1, move / 3 % 3 - 1, move / 9 - 1};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one-pass filter against a plain statement of its rules, over random clouds and configurations.
+// The filter, which makes one pass, is compared with a plain form of its rules on random clouds and configurations.
 #include "voxnav/cloud/cloud_filter.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The local map against brute force, after random insertions and window moves.
+// The local map is compared with brute force after random insertions and moves of its window.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -109,7 +109,7 @@ TEST(LocalMapProperty, CorridorEqualsBruteForce) {
     for_voxels(a.cwiseMin(b).array() - radius, a.cwiseMax(b).array() + radius, [&](const Index3& v) {
       const int here = badness(brute_state(map, v));
       if (here == 0) return;
-      // Sampling the segment bounds the true answer from both sides to half a step.
+      // Samples along the segment bound the true arc length from both sides to within half a step.
       const Vec3 center = geometry::center_of(v, kResolution);
       for (int i = 0; i <= 400; ++i) {
         if (segment.distance_at(i / 400.0, center, 0.5 * kResolution) > radius) continue;
@@ -122,7 +122,7 @@ TEST(LocalMapProperty, CorridorEqualsBruteForce) {
     ASSERT_GE(badness(found.worst), worst);
     if (!found.first_bad_m) continue;
     ++bad;
-    if (worst != badness(found.worst)) continue;  // a voxel touched between two samples
+    if (worst != badness(found.worst)) continue;  // the corridor touches a voxel between two samples
     EXPECT_NEAR(*found.first_bad_m, first_bad, segment.length() / 400.0 + 0.02);
   }
   EXPECT_GT(bad, 10);

@@ -53,7 +53,7 @@ TEST(ObstacleInflation, EqualsBruteForce) {
       const Vec3 center = geometry::center_of(voxel, kVoxel);
       double nearest = 1e9;
       for (const auto& p : points) nearest = std::min(nearest, (p.cast<double>() - center).norm());
-      if (std::abs(nearest - reach) < 1e-5) continue;  // points are handed out as floats
+      if (std::abs(nearest - reach) < 1e-5) continue;  // the points are rounded to float
       const VoxelState state = grid.state(voxel);
       ASSERT_EQ(state == VoxelState::kOccupied, nearest < reach) << nearest;
       ASSERT_EQ(state == VoxelState::kFree, nearest >= reach && collection.state(center) == VoxelState::kFree);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap laid into the grid of the map, in integers and columns, against what it says itself voxel by voxel.
+// A submap that is placed in the grid of the map, in integers and columns, is compared with the submap itself voxel by
+// voxel.
 #include "submap/merged/placed_submap.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ constexpr double kVoxel = 0.4;
 struct Placement {
   const char* name;
   Pose T_W_S;
-  double resolution_m;  ///< of W
+  double resolution_m;  ///< resolution of the map in W
 };
 
 std::vector<Placement> placements() {
@@ -40,7 +41,7 @@ std::vector<Placement> placements() {
           {"into larger voxels", geometry::from_position_yaw({1.0, 2.0, 3.0}, 0.4), 1.1}};
 }
 
-/// Random states, of which some are remembered.
+/// Returns a submap with random states, of which some are only remembered.
 std::shared_ptr<submap::Submap> random_submap(unsigned seed) {
   occupancy::MapContent content = test::random_content(seed, 34, 0.03, 0.3, kVoxel);
   std::mt19937 rng(seed);
@@ -54,7 +55,7 @@ std::shared_ptr<submap::Submap> random_submap(unsigned seed) {
   return submap::Submap::from_content(content, geometry::from_position_yaw({0.1, 0.2, 0.3}, 0.2), {});
 }
 
-/// The blocks of W that a submap may touch.
+/// Returns the blocks of W that a submap may touch.
 std::vector<Index3> blocks_of(const submap::Submap& submap, const Placement& where) {
   return submap::footprint(submap, {where.T_W_S}, where.resolution_m, Knowledge::kAll);
 }
@@ -83,7 +84,8 @@ std::vector<Vec3> placed_points(const PlacedSubmap& placed, const std::vector<In
   return out;
 }
 
-/// Whether the submap saw free space itself at a point; nothing when it lies too close to the border of two voxels.
+/// Returns whether the submap observed free space at a point; nothing if the point is too close to another voxel to
+/// tell.
 std::optional<bool> is_observed_free(const submap::Submap& submap, const Vec3& p_S) {
   const Vec3 p = submap.T_S_G().inverse() * p_S / submap.resolution_m();
   if (((p.array() - p.array().round()).abs() < 1e-5).any()) return std::nullopt;
@@ -149,14 +151,14 @@ TEST(PlacedSubmap, SurfaceWithinADistanceEqualsBruteForce) {
     int near = 0;
     for (int i = 0; i < 1500; ++i) {
       const Index3 index = blocks[rng() % blocks.size()];
-      const auto coordinate = [&] { return static_cast<int>(rng() % 5000) - 300; };  // units; beyond the block too
+      const auto coordinate = [&] { return static_cast<int>(rng() % 5000) - 300; };  // in units, also outside the block
       const submap::Units3 p{coordinate(), coordinate(), coordinate()};
       const Vec3 p_W =
           (Vec3(index.x, index.y, index.z) * geometry::kBlockSide + Vec3(p.x, p.y, p.z) / submap::kUnitsPerEdge) *
           where.resolution_m;
       double nearest = 1e9;
       for (const Vec3& q : points) nearest = std::min(nearest, (q - p_W).norm());
-      const double distance_m = 0.1 + 0.0008 * (i % 1000);  // and sometimes over several blocks
+      const double distance_m = 0.1 + 0.0008 * (i % 1000);  // every 50th distance below goes over several blocks
       const double reach = i % 50 == 0 ? 8.0 : distance_m;
       if (std::abs(nearest - reach) < 1e-9) continue;
       const PlacedPoints::Around around(placed.points(), index);

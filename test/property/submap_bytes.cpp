@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/bytes.hpp"
 #include "content_builder.hpp"
+#include "resealed.hpp"
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -16,13 +16,6 @@ std::shared_ptr<Submap> random_submap(unsigned seed) {
   config.max_surface_points = 50;
   return Submap::from_content(test::random_content(seed, 24, 0.02, 0.3, 0.4),
                               geometry::from_position_yaw({1, 2, 3}, 0.5), config);
-}
-
-/// The same bytes with a checksum that fits, so that what lies behind the checksum is tested too.
-std::string resealed(const std::string& bytes) {
-  base::ByteWriter out;
-  out.put_raw(bytes.data(), bytes.size() - 4);
-  return out.finish();
 }
 
 }  // namespace
@@ -51,7 +44,7 @@ TEST(SubmapBytes, TruncatedIsRefused) {
   for (std::size_t size = 0; size < bytes.size(); size += 211) {
     EXPECT_THROW(Submap::from_bytes(bytes.substr(0, size)), std::invalid_argument);
     if (size >= 4) {
-      EXPECT_THROW(Submap::from_bytes(resealed(bytes.substr(0, size))), std::invalid_argument);
+      EXPECT_THROW(Submap::from_bytes(test::resealed(bytes.substr(0, size))), std::invalid_argument);
     }
   }
 }
@@ -66,16 +59,16 @@ TEST(SubmapBytes, FlippedBitsAreRefusedByTheChecksum) {
   }
 }
 
-TEST(SubmapBytes, CorruptContentBehindAGoodChecksumIsRefusedOrHarmless) {
+TEST(SubmapBytes, DamagedContentWithAMatchingChecksumIsRefusedOrHarmless) {
   const std::string bytes = random_submap(2)->to_bytes();
   std::mt19937 rng(10);
   int refused = 0;
   for (int i = 0; i < 1500; ++i) {
     std::string broken = bytes;
-    const std::size_t reach = i % 2 == 0 ? broken.size() : 400;  // half of them in the header and the first blocks
+    const std::size_t reach = i % 2 == 0 ? broken.size() : 400;  // every second time in the header and first blocks
     for (unsigned k = 0; k < 1 + rng() % 4; ++k) broken[rng() % reach] = static_cast<char>(rng());
     try {
-      const auto field = Submap::from_bytes(resealed(broken));
+      const auto field = Submap::from_bytes(test::resealed(broken));
       for (int q = 0; q < 20; ++q) {
         double distance = 0.0;
         Vec3 gradient;

@@ -16,8 +16,8 @@ namespace {
 constexpr double kVoxel = 0.4;
 
 struct Truth {
-  std::vector<Vec3> points;   // surface points
-  std::vector<Vec3> corners;  // lowest corner of each occupied voxel
+  std::vector<Vec3> points;   // the surface points
+  std::vector<Vec3> corners;  // the lowest corner of each occupied voxel
 };
 
 Truth truth_of(const occupancy::MapContent& content) {

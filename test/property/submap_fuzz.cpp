@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Damaged submaps, handovers and map indices behind checksums that fit: refused with a reason, or harmless to whatever
-// is done with them. `--seconds=N` goes on for that long with seeds of its own; to be run under the sanitizers.
+// Damaged submaps, handovers and map indices with matching checksums are refused with a reason, or do no harm whatever
+// is done with them. With `--seconds=N` each test goes on for that long with other seeds; the sanitizers find more.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,8 +10,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/bytes.hpp"
 #include "content_builder.hpp"
+#include "resealed.hpp"
 #include "voxnav/submap/mesh.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -43,14 +43,7 @@ std::shared_ptr<const Submap> projective_submap() {
   return integrator.finish(submap::SubmapConfig{});
 }
 
-/// The same bytes with a checksum that fits, so that what lies behind the checksum is reached.
-std::string resealed(const std::string& bytes) {
-  base::ByteWriter out;
-  out.put_raw(bytes.data(), bytes.size() - std::min<std::size_t>(bytes.size(), 4));
-  return out.finish();
-}
-
-/// Numbers in which programs go wrong.
+/// Returns a number of a kind on which programs often fail.
 std::uint64_t nasty(std::mt19937* rng) {
   static const std::uint64_t values[] = {0,
                                          1,
@@ -127,7 +120,8 @@ void use(const std::shared_ptr<const Submap>& submap, std::mt19937* rng) {
   collection.obstacles(1.0);
 }
 
-/// Calls attempt(rng) a fixed number of times, or for as long as was asked, and prints how often. @return how many
+/// Calls attempt(rng) a fixed number of times, or for the time of --seconds, and prints the number of calls.
+/// @return the number of calls
 template <class Attempt>
 int repeat(unsigned seed, int count, Attempt&& attempt) {
   std::mt19937 rng(seed);
@@ -147,7 +141,7 @@ TEST(SubmapFuzz, DamagedSubmapsAreRefusedOrHarmless) {
   const int done = repeat(1, 400, [&](std::mt19937* rng) {
     const std::string bytes = damaged(rng, originals[(*rng)() % originals.size()]);
     try {
-      use(Submap::from_bytes((*rng)() % 16 == 0 ? bytes : resealed(bytes)), rng);
+      use(Submap::from_bytes((*rng)() % 16 == 0 ? bytes : test::resealed(bytes)), rng);
     } catch (const std::invalid_argument& error) {
       ASSERT_GT(std::string(error.what()).size(), 10u);
       ++refused;
@@ -162,7 +156,7 @@ TEST(SubmapFuzz, DamagedHandoversAreRefusedOrHarmless) {
   int refused = 0;
   const int done = repeat(2, 300, [&](std::mt19937* rng) {
     try {
-      const auto content = occupancy::MapContent::from_bytes(resealed(damaged(rng, original)));
+      const auto content = occupancy::MapContent::from_bytes(test::resealed(damaged(rng, original)));
       use(Submap::from_content(content, geometry::from_position_yaw({1, 2, 3}, 0.5), {}), rng);
     } catch (const std::invalid_argument&) {
       ++refused;
@@ -190,7 +184,7 @@ TEST(SubmapFuzz, DamagedIndicesAreRefusedOrGiveWhatIsIntact) {
   int recovered = 0;
   repeat(3, 150, [&](std::mt19937* rng) {
     const std::string bytes = damaged(rng, original);
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << ((*rng)() % 2 ? bytes : resealed(bytes));
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << ((*rng)() % 2 ? bytes : test::resealed(bytes));
     try {
       std::vector<std::string> problems;
       const auto loaded = SubmapCollection::load(directory, &problems);

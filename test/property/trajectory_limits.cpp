@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whatever the waypoints and the start, the generated trajectory keeps its limits (by finite differences) and passes
-// every waypoint within the deviation asked for.
+// The generated trajectory keeps its limits, by finite differences, and passes every waypoint within the requested
+// deviation, whatever the waypoints and the start.
 #include <gtest/gtest.h>
 
 #include "../unit/simulation/uav_test_tools.hpp"
@@ -63,7 +63,7 @@ TEST(TrajectoryLimits, HoldWhenContinuingAnyMotion) {
     start.position = Vec3(0, 0, 5);
     start.velocity = direction(0.9 * unit(random) * request.limits.horizontal.speed) + Vec3(0, 0, 0.3);
     start.acceleration = direction(0.6 * unit(random) * request.limits.horizontal.acceleration) + Vec3(0, 0, 0.2);
-    // A vehicle that keeps its limits is never at full speed and still accelerating.
+    // A vehicle that keeps its limits does not accelerate much at full speed.
     if (start.velocity.dot(start.acceleration) > 0) start.acceleration *= 0.3;
     request.start = start;
     request.waypoints.erase(request.waypoints.begin());

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shared fixtures: where the real recordings are."""
+"""Fixtures that several tests share."""
 
 import os
 
@@ -10,7 +10,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 @pytest.fixture(scope="session")
 def data_dir():
-    """Folder of real recordings (VOXNAV_DATA, or ../shared/data beside the checkout); skips when absent."""
+    """Returns the folder of real recordings (VOXNAV_DATA, or ../shared/data beside the checkout), or skips the test."""
     path = os.environ.get("VOXNAV_DATA", os.path.join(ROOT, "..", "shared", "data"))
     if not os.path.isdir(path):
         pytest.skip("real recordings not found at %s; set VOXNAV_DATA" % path)

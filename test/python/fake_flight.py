@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A vehicle that follows trajectories exactly, in a world that it sees within a range: drives a PlanningManager."""
+"""FakeFlight drives a PlanningManager: it is a vehicle that follows trajectories exactly and sees within a range."""
 
 import numpy as np
 
@@ -14,7 +14,10 @@ HOVER_S = 1.0
 
 class FakeFlight:
     def __init__(self, truth, origin, start, known_range_m=20.0, T_W_O=None, **config):
-        """truth: (nx, ny, nz) int8 states; origin: lowest corner in O; start: position in O."""
+        """Places the vehicle in a world.
+
+        truth: (nx, ny, nz) int8 states of the world; origin: its lowest corner in O; start: position in O.
+        """
         self.truth = truth.copy()
         self.origin = np.asarray(origin, dtype=float)
         self.position = np.asarray(start, dtype=float)
@@ -32,15 +35,15 @@ class FakeFlight:
         self.flown = None  # (points, dt, begin)
         self.log, self.track = [], []
         self.fails = set()  # kinds of actions that the services refuse
-        self.silent = set()  # kinds that are never answered
+        self.silent = set()  # kinds of actions that are never answered
         self.lost = set()  # inputs that are no longer updated
         self.is_flying = True
-        self.callbacks_from = self.now  # the tracker accepts goals from then on: not while it brakes to hover
-        self.frames = ("odom", "odom")  # of the map and of the vehicle
+        self.callbacks_from = self.now  # the tracker accepts goals from this time on; it refuses them while it brakes
+        self.frames = ("odom", "odom")  # the frames of the map and of the vehicle
         self.sequence = 0
 
     def look(self):
-        """The map learns everything within the range."""
+        """Copies the true states within the range into the map."""
         axes = [self.origin[k] + (np.arange(n) + 0.5) * RESOLUTION - self.position[k]
                 for k, n in enumerate(self.truth.shape)]
         near = axes[0][:, None, None] ** 2 + axes[1][:, None] ** 2 + axes[2] ** 2 < self.known_range_m ** 2
@@ -123,11 +126,11 @@ class FakeFlight:
         self.manager.hover_done(problem, self.now)
 
     def hover(self):
-        """Whoever wants it: stops on the spot and, as in MRS, takes no goals for a moment."""
+        """Stops on the spot, whoever asked for it, and refuses goals for a moment, as an MRS system does."""
         self.flown, self.callbacks_from = None, self.now + HOVER_S
 
     def generate(self, action):
-        """What MRS does: prediction until the start, then along the waypoints, starting and ending at rest."""
+        """Returns a trajectory as MRS does: the prediction until the start, then along the waypoints to rest."""
         points = []
         if action.start_stamp_s is not None:
             points = [self.position_at(t) for t in np.arange(self.now, action.start_stamp_s, 0.2)]
@@ -142,7 +145,7 @@ class FakeFlight:
         return sum(1 for entry in self.log if entry[0] == kind)
 
     def clearance(self):
-        """Smallest distance between the flown track and the centres of occupied voxels of the truth."""
+        """Returns the smallest distance between the flown track and the centres of truly occupied voxels."""
         centers = self.origin + (np.argwhere(self.truth == 2) + 0.5) * RESOLUTION
         if len(centers) == 0:
             return np.inf

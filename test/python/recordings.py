@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Small recordings of a simulated flight, for tests that map them: sweeps of a LiDAR, and a rosbag of them."""
+"""Small recordings of a simulated flight, for tests that map them: sweeps of a LiDAR, and rosbags with them."""
 
 import os
 from typing import Callable, NamedTuple
@@ -15,12 +15,12 @@ FIRST_STAMP_S, NUM_SCANS = 1.0, 16
 
 
 def body_pose(t):
-    """T_O_B of the flight, (4, 4), at t seconds."""
+    """Returns the pose T_O_B (4, 4) of the flight at t seconds."""
     return simulation.pose(SPEED_MPS * t, 0.0, 2.0, YAW_RATE_RADPS * t)
 
 
 def sweeps(T_B_L=MOUNT, num_scans=NUM_SCANS):
-    """The world, and organised scans (h, w, 4) with column times (w,) of a sensor that moves while it turns."""
+    """Returns the world, and scans of it by a sensor that moves while it turns."""
     world = simulation.World(os.path.join(ROOT, "worlds", "grove.yaml"), seed=2)
     lidar = simulation.Lidar(model="os0-32", columns=256, dropout_ratio=0.0)
     return world, [lidar.scan(world, body_pose(t) @ T_B_L, body_pose(t + SWEEP_S) @ T_B_L, scan_index=i)
@@ -31,8 +31,11 @@ POINT_FIELD_TYPES = {"<i4": 5, "<u4": 6, "<f4": 7, "<f8": 8}
 
 
 class TimeField(NamedTuple):
-    """The point times that a driver writes. written: from the offsets (w,) of the columns and the start of the sweep,
-    both in seconds; stamp_s: of the cloud, after the start of its sweep."""
+    """The point times that a driver writes.
+
+    written: computes them from the offsets (w,) of the columns and the start of the sweep, both in seconds.
+    stamp_s: the stamp of the cloud, in seconds after the start of its sweep.
+    """
 
     name: str = "t"
     dtype: str = "<u4"
@@ -44,6 +47,7 @@ ABSOLUTE_TIMES = TimeField("timestamp", "<f8", lambda offsets_s, start_s: offset
 
 
 def cloud_message(scan, start, times=TimeField()):
+    """Returns a scan whose sweep began at `start` seconds as PointCloud2 with point times."""
     import rospy
     from sensor_msgs.msg import PointCloud2, PointField
 
@@ -69,7 +73,7 @@ def set_pose(pose, T):
 
 
 def imu_message(stamp):
-    """Of the body, which turns evenly around the vertical and flies along a straight line without acceleration."""
+    """Returns an IMU message of the body, which turns evenly about the vertical and flies without acceleration."""
     import rospy
     from sensor_msgs.msg import Imu
 
@@ -91,7 +95,7 @@ def odometry_message(stamp, T_O_B, child="body"):
 
 
 def link(parent, child, T_parent_child, stamp=0.0):
-    """A message for /tf or /tf_static."""
+    """Returns a message for /tf or /tf_static with one transform."""
     import rospy
     from geometry_msgs.msg import TransformStamped
     from tf2_msgs.msg import TFMessage
@@ -104,10 +108,10 @@ def link(parent, child, T_parent_child, stamp=0.0):
 
 def flight(scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s=FIRST_STAMP_S,
            times=TimeField()):
-    """Messages as [record time s, topic, message]: the scans on /points, their mount on /tf_static, odometry at 50 Hz
-    on /odom, IMU at 200 Hz on /imu.
+    """Returns messages as [record time in s, topic, message].
 
-    first_stamp_s: of the first scan, which shows the flight at FIRST_STAMP_S.
+    The scans are on /points, their mount on /tf_static, odometry at 50 Hz on /odom and the IMU at 200 Hz on /imu.
+    first_stamp_s: the stamp of the first scan, which shows the flight at FIRST_STAMP_S.
     """
     out = [[first_stamp_s - 0.1, "/tf_static", link("body", "lidar", T_B_L)]]
     later_s = first_stamp_s - FIRST_STAMP_S
@@ -123,12 +127,12 @@ def flight(scans, T_B_L=MOUNT, with_odometry=True, with_imu=False, first_stamp_s
 
 
 def of_topic(messages, topic):
-    """Those of one topic, to be changed in place."""
+    """Returns the messages of one topic, which callers change in place."""
     return [message for message in messages if message[1] == topic]
 
 
 def write_messages(path, messages, compression="none", is_sorted=True):
-    """A bag with messages as flight() gives them, in the order of their record times unless they are sorted already."""
+    """Writes a bag with messages as flight() returns them; is_sorted: whether to sort them by record time first."""
     import rosbag
     import rospy
 
@@ -139,5 +143,5 @@ def write_messages(path, messages, compression="none", is_sorted=True):
 
 
 def write_bag(path, scans, *args, **kwargs):
-    """A bag with the messages of flight(scans, ...)."""
+    """Writes a bag with the messages of flight(scans, ...)."""
     write_messages(path, flight(scans, *args, **kwargs))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The evaluation of alignment: its measures have known answers, and a short flight comes out no worse."""
+"""The evaluation of alignment measures known errors, and the graph does not make a short flight worse."""
 import numpy as np
 import pytest
 
@@ -20,12 +20,12 @@ def test_errors_are_those_of_an_aligned_trajectory():
     moved = pose_from_yaw((5.0, -3.0, 1.0), 0.7) @ true
     assert errors_of(moved, true).rmse_m < 1e-9 and errors_of(moved, true).closure_m < 1e-9
     bent = true.copy()
-    bent[::2, 2, 3] += 0.4  # half of the poses 0.4 m too high: 0.2 m either way
+    bent[::2, 2, 3] += 0.4  # half of the poses are 0.4 m too high, so that aligned ones are off by 0.2 m either way
     errors = errors_of(bent, true)
     assert errors.axis_m[2] == pytest.approx(0.2, abs=0.02) and errors.axis_m[:2].max() < 0.05
 
 
-def test_drift_begins_at_zero_peaks_where_told_and_follows_the_seed():
+def test_drift_begins_at_zero_peaks_at_its_configured_size_and_depends_on_the_seed():
     drift = drift_of(SCENARIOS["loop"], 1500, 7)
     assert np.linalg.norm(drift[0]) < 1e-3
     assert np.linalg.norm(drift, axis=1).max() == pytest.approx(1.8)

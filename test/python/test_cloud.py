@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CloudFilter through the Python face, on synthetic clouds and on real Ouster frames."""
+"""CloudFilter, through Python, filters synthetic clouds and real Ouster frames as documented."""
 import os
 import struct
 
@@ -69,7 +69,7 @@ def test_apply_raw_reads_gazebo_bytes():
     assert result.time_offsets_ns.tolist() == [5000] * 6
 
 
-def test_apply_raw_says_what_is_wrong():
+def test_apply_raw_names_what_is_wrong_with_a_cloud():
     fields = [("x", 0, 7, 1), ("y", 4, 7, 1), ("z", 8, 7, 1)]
     layout = voxnav.CloudLayout(height=1, width=10, point_step=12, fields=fields)
     with pytest.raises(ValueError, match="data has 119 bytes"):
@@ -77,11 +77,11 @@ def test_apply_raw_says_what_is_wrong():
 
 
 @pytest.mark.parametrize("number", [1, 3, 4, 7])
-def test_real_ouster_frames_lose_only_what_has_a_reason(number):
+def test_the_filter_removes_from_real_ouster_frames_only_points_with_a_reason(number):
     cloud, range_mm = ouster_cloud(number)
     config = voxnav.CloudFilterConfig(max_range_m=60.0)
     result = voxnav.CloudFilter(config).apply(cloud)
-    # Ranges are measured from the lens, coordinates from the sensor's centre: the two differ by centimetres.
+    # The sensor measures ranges from the lens and coordinates from its centre, so the two differ by centimetres.
     assert abs(result.counts["zero"] - int((range_mm == 0).sum())) <= 0.001 * range_mm.size
     norm = np.linalg.norm(cloud[..., :3].reshape(-1, 3), axis=1)
     assert result.counts["kept"] == int(((norm > 0.7) & (norm <= 60.0)).sum())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``make demo-real``: a small recording through the real nodes, whose map lies where the world is."""
+"""``make demo-real`` maps a small recording with the real nodes, and the map is on the true surface."""
 
 import json
 import os
@@ -20,7 +20,8 @@ from voxnav import simulation  # noqa: E402
 from voxnav.demo.recording import mount_argument  # noqa: E402
 from voxnav.offline.configs import rotation_from_rpy  # noqa: E402
 
-# Half a metre off the body and turned about every axis: a demonstration that forgets the mount misses the ground.
+# The sensor is half a metre off the body and rotated about every axis, so that a map without the mount misses the
+# surface.
 MOUNT = np.eye(4)
 MOUNT[:3, :3] = rotation_from_rpy(np.array([0.1, 0.3, 1.2]))
 MOUNT[:3, 3] = (0.3, -0.2, 0.4)
@@ -46,8 +47,8 @@ def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(times, f
     distances = world.surface_distance(points.astype(np.float64))
     assert len(points) > 100
     assert "point times" in run.stdout and "left out" not in run.stdout
-    assert np.mean(distances < 0.2) > 0.95  # half a voxel
-    # All recorded poses are played, those before the first and after the last scan too.
+    assert np.mean(distances < 0.2) > 0.95  # 0.2 m is half a voxel
+    # All recorded poses are played, including those before the first scan and after the last.
     begin, end = body_pose(0.9)[:3, 3], body_pose(1.2 + 0.1 * len(scans))[:3, 3]
     assert summary["path_length_m"] == pytest.approx(np.linalg.norm(end - begin), abs=0.5)
 

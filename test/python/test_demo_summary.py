@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The summary of a flight says what was measured, and says so when nothing was."""
+"""The summary of a flight holds what was measured, and states it when something was not measured."""
 
 import json
 import threading
@@ -15,7 +15,7 @@ FIELDS = {"reached", "reason", "min_clearance_m", "path_length_m", "straight_m",
 
 
 def flown_record():
-    """10 s straight ahead at 2 m/s after 2 s of waiting; odometry drifts sideways."""
+    """Returns the record of a flight straight ahead at 2 m/s for 10 s after 2 s at rest, with odometry that drifts."""
     record = FlightRecord("forest", 3)
     for t in np.arange(0.0, 12.0, 0.1):
         x = max(0.0, 2.0 * (t - 2.0))
@@ -38,7 +38,7 @@ def test_figures_of_a_known_flight():
     assert "fell behind             nothing" in summary.table(result)
 
 
-def test_what_was_not_measured_is_not_invented(tmp_path):
+def test_figures_that_were_not_measured_are_absent(tmp_path):
     result = summary.summarise(FlightRecord("forest", 1))
     for name in ("min_clearance_m", "straight_m", "flight_s", "real_time_factor", "ate_odometry_m", "ate_optimised_m"):
         assert result[name] is None
@@ -48,12 +48,12 @@ def test_what_was_not_measured_is_not_invented(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["min_clearance_m"] is None
 
 
-def test_what_fell_behind_is_named():
+def test_stages_that_fell_behind_are_named():
     record = flown_record()
     record.real_time_factor = 0.8
     record.dropped_in_flight = {"local_mapper/insert": 3, "cloud_filter/filter": 0}
     assert summary.fell_behind(record) == ["the simulation itself (factor 0.80)", "local_mapper/insert dropped 3"]
-    record.speed_factor = 0.8  # it was asked to be this slow
+    record.speed_factor = 0.8  # the simulation is configured to be this slow
     assert summary.fell_behind(record) == ["local_mapper/insert dropped 3"]
 
 

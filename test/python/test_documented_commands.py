@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every command that README.md, CONTRIBUTING.md and docs/ show is run by some test.
+"""Every command that README.md, CONTRIBUTING.md and docs/ show is run by a test.
 
-What takes moments is run here, as far as ``--help``: so options that a page shows exist. What builds or flies is run by
-the test that TESTS names; here only its place is checked, and what make would do.
+Scripts are run here with ``--help``, so that the options that a page shows are known to exist. Commands that build or
+fly are run by the test that TESTS names; here only that name is checked, and what make would do.
 """
 
 import os
@@ -21,11 +21,11 @@ PAGES = ["README.md", "CONTRIBUTING.md"] + sorted(
 FENCE = re.compile(r"^ *```([^\n]*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"`((?:make|roslaunch|rosservice|catkin|cmake|pre-commit|scripts/\w+(?:/\w+)?) [^`]+)`")
 
-# What is too long or too far-reaching to be run here: the beginning of the command, and a file that runs it with a text
-# that stands there.
+# Commands that take too long or change too much to be run here: the beginning of the command, and the file that runs it
+# with a text in that file.
 TESTS = {
-    "catkin build voxnav": ("scripts/dev/build_workspace", "catkin_make"),  # the same package, in a workspace
-    "catkin test voxnav": ("scripts/dev/run_tests", "ctest"),  # the tests that it runs
+    "catkin build voxnav": ("scripts/dev/build_workspace", "catkin_make"),  # builds the same package in a workspace
+    "catkin test voxnav": ("scripts/dev/run_tests", "ctest"),  # runs the same tests
     "catkin config --install": ("scripts/dev/run_install_tests", "catkin_make install"),
     "cmake --install": ("scripts/dev/run_install_tests", "cmake --install"),
     ". /opt/voxnav/setup.bash": ("scripts/dev/build_deb", "-DCMAKE_INSTALL_PREFIX=/opt/voxnav"),
@@ -38,7 +38,7 @@ TESTS = {
 
 
 def commands():
-    """Returns (page, command) of every line in fences without a language, and of commands within sentences."""
+    """Returns (page, command) for every line of shell code, and for commands within sentences."""
     found = []
     for page in PAGES:
         with open(os.path.join(ROOT, page), encoding="utf-8") as source:
@@ -60,9 +60,9 @@ def run(command):
 
 
 def check_make(words):
-    """Asks make what it would do, and whether the programs it would run are there."""
+    """Asks make what it would do, and checks that the programs that it would run exist."""
     assert shutil.which("make"), "make is not installed"
-    # MAKE=true: what make calls itself with, it would run even now.
+    # With -n make still runs the commands that call make itself; MAKE=true turns them into calls of `true`.
     plan = run(["make", "-n", "--no-print-directory", "MAKE=true"] + words[1:])
     programs = set(re.findall(r"scripts/[\w/]+", plan))
     for program in programs:
@@ -71,7 +71,7 @@ def check_make(words):
 
 
 def check_script(words):
-    """Runs a script with --help, and looks there for every option that the page shows."""
+    """Runs a script with --help, and checks that its output has every option that the page shows."""
     path = os.path.join(ROOT, words[0])
     assert os.access(path, os.X_OK), "%s cannot be run" % words[0]
     with open(path) as source:
@@ -87,12 +87,12 @@ def check_script(words):
 
 
 def has_arguments(path):
-    """True unless the script takes none, which would do its work whatever it is told."""
+    """Returns whether a script takes arguments; the others would ignore --help and do their work."""
     return os.path.basename(path) not in ("make_parameter_docs", "make_stubs")
 
 
 def check_launch(words):
-    """Looks whether a launch file has the arguments that the page gives it; test_launch.py loads it."""
+    """Checks that a launch file has the arguments that the page gives it; test_launch.py loads the file."""
     assert words[1] == "voxnav"
     tree = ElementTree.parse(os.path.join(ROOT, "launch", words[2]))
     names = {arg.get("name") for arg in tree.getroot().findall("arg")}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""SubmapGraph through Python: checked against SciPy's least_squares on the same residuals."""
+"""SubmapGraph, through Python, reaches the cost that SciPy's least_squares finds for the same residuals."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def relative(a, b):
 
 
 def manhattan_world(size, seed, correlated=True):
-    """Random walk on a grid; edges between neighbours in time and, at places seen twice, between the visits."""
+    """Returns a random walk on a grid, with edges between successive poses and between visits to the same place."""
     rng = np.random.default_rng(seed)
     truth = [np.zeros(4)]
     for _ in range(size - 1):
@@ -54,7 +54,7 @@ def manhattan_world(size, seed, correlated=True):
 
 
 def scipy_cost(start, edges):
-    """Cost an independent solver reaches; it whitens with the transposed Cholesky factor of the information."""
+    """Returns the cost that SciPy reaches with residuals whitened by the Cholesky factor of the information."""
     roots = np.array([np.linalg.cholesky((m + m.T) / 2).T for _, _, _, m in edges])
     a = np.array([edge[0] for edge in edges])
     b = np.array([edge[1] for edge in edges])
@@ -68,7 +68,7 @@ def scipy_cost(start, edges):
         error[:, 3] = wrap(error[:, 3])
         return np.einsum("kij,kj->ki", roots, error).ravel()
 
-    # Dense Levenberg-Marquardt with numeric derivatives: slow, and nothing in common with the code under test.
+    # Dense Levenberg-Marquardt with numeric derivatives is slow, but has nothing in common with the code under test.
     result = least_squares(residuals, start[1:].ravel(), method="lm", ftol=1e-12, xtol=1e-12, gtol=1e-12)
     return 2.0 * result.cost
 
@@ -109,7 +109,7 @@ def test_large_manhattan_world_lowers_cost_and_converges():
     truth, start, edges = manhattan_world(1500, 5)
     graph = graph_of(start, edges)
     report = graph.optimize()
-    # Chi-square of a good fit is near its degrees of freedom.
+    # The chi-square of a good fit is near its degrees of freedom.
     freedom = 4 * (len(edges) - len(start) + 1)
     assert report.is_converged
     assert 0.8 * freedom < report.cost_after < 1.2 * freedom

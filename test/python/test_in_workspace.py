@@ -13,7 +13,7 @@ def run(*arguments):
 
 
 def workspace(tmp_path):
-    """A workspace whose setup file, like catkin's, looks at the arguments it sees."""
+    """Returns a workspace whose setup file reads the arguments that it sees, as catkin's does."""
     (tmp_path / "devel").mkdir()
     setup = '[[ $# -eq 0 ]] || { echo "setup got $*"; exit 7; }\nexport WS=here\n'
     (tmp_path / "devel" / "setup.bash").write_text(setup)
@@ -36,7 +36,7 @@ def test_a_folder_that_is_no_built_workspace_is_named(tmp_path):
     assert "nothing is no built workspace" in result.stderr and "make build" in result.stderr
 
 
-def test_without_a_command_the_usage_is_said(tmp_path):
+def test_without_a_command_the_usage_is_printed(tmp_path):
     result = run(workspace(tmp_path))
     assert result.returncode == 2
     assert "usage: in_workspace WS COMMAND" in result.stderr

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The vendored interface packages agree on the wire with the real ones: ROS compares only md5 sums."""
+"""The messages of the vendored interface packages have the md5 sums of the real ones, by which ROS compares them."""
 import importlib
 import pathlib
 
@@ -17,7 +17,7 @@ TABLE = [
 
 
 def message_text(full_name):
-    """Our own file, or for the messages of ROS the definition inside their generated Python class."""
+    """Returns the definition from the vendored file, or for messages of ROS from their generated Python class."""
     package, name = full_name.split("/")
     own = INTERFACES / package / "msg" / (name + ".msg")
     if own.exists():
@@ -27,7 +27,7 @@ def message_text(full_name):
 
 
 def register(context, spec):
-    """Registers everything a definition is made of, depth first."""
+    """Registers the messages of which a definition is composed, depth first."""
     for field_type in spec.types:
         name = msgs.bare_msg_type(field_type)
         if not msgs.is_builtin(name) and not context.is_registered(name):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Launch files can be read, and rviz shows topics that somebody publishes."""
+"""Launch files can be loaded, and rviz shows topics that a node publishes."""
 
 import os
 import re
@@ -29,7 +29,7 @@ def test_launch_files_start_their_nodes(name):
     assert nodes_of(loaded(name)) >= NODES - ({"planning_manager"} if name == "bag" else set())
 
 
-def test_arguments_of_mrs_users():
+def test_the_launch_file_has_the_arguments_of_mrs_launch_files():
     standalone = loaded("voxnav", "standalone:=true")
     assert all("standalone" in node.args for node in standalone.nodes if node.package == "nodelet")
     assert "voxnav_nodelet_manager" not in nodes_of(standalone)
@@ -41,7 +41,7 @@ def test_arguments_of_mrs_users():
 
 
 @pytest.mark.parametrize("run_type", [None, "", "realworld", "uav", "Simulation", "simulation"])
-def test_time_is_simulated_only_where_run_type_says_simulation(run_type, monkeypatch):
+def test_time_is_simulated_only_where_run_type_is_simulation(run_type, monkeypatch):
     monkeypatch.delenv("RUN_TYPE", raising=False)
     if run_type is not None:
         monkeypatch.setenv("RUN_TYPE", run_type)

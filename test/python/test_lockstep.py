@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A lock-step flight does not depend on the machine: the same to the last bit, idle or loaded."""
+"""A flight in lock-step does not depend on the machine: it is the same to the last bit on an idle and a loaded one."""
 
 import contextlib
 import json
@@ -11,7 +11,7 @@ import pytest
 
 rospkg = pytest.importorskip("rospkg")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# What the machine may change.
+# The figures of a summary that may depend on the machine.
 OF_THE_MACHINE = ("stages", "rss_mb", "real_time_factor", "fell_behind")
 
 
@@ -27,7 +27,7 @@ def load(num_processes):
 
 
 def fly(out):
-    """Facts of a flight through the grove, and its map's bytes."""
+    """Flies through the grove, and returns the figures of its summary and the bytes of its map."""
     command = [os.path.join(ROOT, "scripts", "demo"), "--world", "grove", "--lockstep", "--speed", "0", "--no-rviz",
                "--out", str(out)]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300)

@@ -9,7 +9,7 @@ VOXEL = 0.4
 
 
 def yard(first, last):
-    """What a flight from x = first to x = last (in voxels) sees of uneven ground, walls and posts."""
+    """Returns the part of uneven ground, walls and posts that a flight from x = first to x = last (in voxels) sees."""
     states = np.ones((last - first, 60, 20), np.int8)
     for x in range(first, last):
         for y in range(60):
@@ -50,6 +50,6 @@ def test_the_second_map_is_moved(maps):
     np.testing.assert_allclose(poses[2], pose_from((100, 0, 0, 0.5)), atol=1e-12)
 
 
-def test_what_cannot_be_read_is_said(maps, capsys):
+def test_maps_that_cannot_be_read_are_named(maps, capsys):
     assert main([maps[0], maps[1] + "_absent", maps[2]]) == 1
     assert "_absent/index.vxi" in capsys.readouterr().err

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A fire truck drives away while the UAV hovers: what beams then look through is free again within two seconds."""
+"""When a fire truck drives away from a hovering UAV, voxels that beams see through are free within two seconds."""
 
 import os
 
@@ -18,7 +18,8 @@ FREE, OCCUPIED = 1, 2
 
 
 def looked_through(centers, points_L, T_W_L, resolution_m):
-    """Which voxels a beam passed within a quarter of their edge from the centre, and ended 1.5 voxels behind."""
+    """Returns which voxels a beam saw through: it passed the centre within a quarter of the voxel edge, and ended at
+    least 1.5 voxels behind."""
     local = (centers - T_W_L[:3, 3]) @ T_W_L[:3, :3]
     ranges = np.linalg.norm(points_L, axis=1)
     distances = np.linalg.norm(local, axis=1)
@@ -29,7 +30,7 @@ def looked_through(centers, points_L, T_W_L, resolution_m):
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_what_drove_away_is_free_within_two_seconds_of_being_looked_through(seed):
+def test_voxels_of_a_truck_that_drove_away_are_free_within_two_seconds_of_being_seen_through(seed):
     world = simulation.World(os.path.join(ROOT, "worlds", "firetruck.yaml"), seed=seed)
     truck = world.vehicle_pose()[:3, 3]
     T_W_L = simulation.pose(truck[0] - 10.0, truck[1] + 2.0, truck[2] + 3.0)
@@ -45,11 +46,11 @@ def test_what_drove_away_is_free_within_two_seconds_of_being_looked_through(seed
     voxels = np.unique(np.floor(np.concatenate(truck_points) / resolution_m), axis=0)
     centers = ((voxels + 0.5) * resolution_m).astype(np.float32)
     assert world.move_vehicle(truck[0], truck[1] + 20.0)
-    # What the truck stood on, and what grows there, stays.
+    # Voxels that hold ground or plants as well stay occupied, so only those that held nothing but the truck count.
     centers = centers[(local_map.states(centers) == OCCUPIED) & (world.clearance(centers, 5.0) > resolution_m)]
     assert len(centers) > 100
 
-    looks = np.zeros(len(centers), int)  # scans that looked through a voxel before it was free
+    looks = np.zeros(len(centers), int)  # the number of scans that saw through a voxel before it was free
     is_free = np.zeros(len(centers), bool)
     for i in range(60):
         scan = lidar.scan(world, T_W_L, T_W_L, 100 + i)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LocalMap through its Python face."""
+"""LocalMap, through Python, answers queries, refuses wrong arrays, and can be saved, loaded and exported."""
 import re
 
 import numpy as np
@@ -101,7 +101,7 @@ def test_changes_and_octomap_import(tmp_path):
         voxnav.LocalMap.load_octomap(str(tmp_path / "none.bt"))
 
 
-def test_octomap_import_says_what_the_window_cuts_off(tmp_path):
+def test_octomap_import_counts_what_lies_outside_the_window(tmp_path):
     m, _ = wall_map()
     path = str(tmp_path / "map.ot")
     assert m.save_octomap(path) is None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LidarOdometry through the Python face: real recordings against their reference poses, and bad input."""
+"""LidarOdometry, through Python, matches the reference poses of real recordings and survives bad input."""
 import os
 import re
 
@@ -69,7 +69,7 @@ def test_kitti_drive_drifts_less_than_one_percent():
     length = np.linalg.norm(np.diff(rows[:, 1:4], axis=0), axis=1).sum()
     print("relative error over 10 scans: mean %.2f %%, max %.2f %%; end %.2f m of %.1f m" % (
         100 * np.mean(ratios), 100 * np.max(ratios), pose_error(results[-1].pose, truth[-1])[0], length))
-    # RTK poses of the recording themselves jitter by some centimetres per scan.
+    # The RTK poses of the recording jitter by some centimetres from scan to scan.
     assert np.mean(ratios) < 0.01
     assert pose_error(results[-1].pose, truth[-1])[0] < 0.01 * length
     assert odometry.memory_bytes < 100e6
@@ -89,12 +89,12 @@ def test_forest_pairs_match_their_references():
     start, end = sloam_poses()
     moving = register_pair(load_scan("sloam_forest_uav", 2), load_scan("sloam_forest_uav", 3), 0.53)
     metres, degrees = pose_error(moving.pose, np.linalg.inv(start) @ end)
-    # The reference is that flight's own odometry, with a standard deviation of 8 cm.
+    # The reference is the odometry of that flight, whose standard deviation is 8 cm.
     assert moving.quality.state == "tracking" and metres < 0.12 and degrees < 1.0
 
 
 def room_points(seed, count=8000):
-    """Random points on the walls of a room of 16 x 12 x 5 m, seen from inside."""
+    """Returns random points on the walls of a room of 16 x 12 x 5 m, seen from inside."""
     rng = np.random.RandomState(seed)
     points = rng.uniform(-1, 1, (count, 3)) * [8, 6, 2.5]
     axis = rng.randint(0, 3, count)
@@ -112,7 +112,7 @@ def test_imu_makes_the_first_pose_upright():
     assert np.allclose(up_B, force[0] / 9.81, atol=1e-6)
 
 
-def test_lost_scans_coast_and_say_why():
+def test_odometry_coasts_with_a_reason_where_scans_do_not_match():
     odometry = voxnav.LidarOdometry()
     for i in range(5):
         result = odometry.add_cloud(0.1 * i, room_points(i))

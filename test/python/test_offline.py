@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/map_bag on small recordings of a simulated flight: a bag, a folder, and damaged ones."""
+"""scripts/map_bag maps small recordings of a simulated flight from a bag, a folder, and damaged bags."""
 
 import gc
 import json
@@ -62,10 +62,10 @@ def test_the_map_lies_on_the_true_surface_although_the_sensor_moves(bag, scans, 
     assert main([bag, "--config", config, "--out", str(tmp_path)]) == 0
     points = voxnav.SubmapCollection.load(str(tmp_path / "map")).occupied_points()
     distances = scans[0].surface_distance(points.astype(np.float64))
-    assert np.mean(distances < 0.2) > 0.95  # half a voxel
+    assert np.mean(distances < 0.2) > 0.95  # 0.2 m is half a voxel
     stamps, poses = files.read_tum(str(tmp_path / "trajectory_odom.txt"))
     errors = [np.linalg.norm(T[:3, 3] - body_pose(t)[:3, 3]) for t, T in zip(stamps, poses)]
-    assert max(errors) < 0.15  # a pose stands for the middle of its sweep
+    assert max(errors) < 0.15  # the body moves 0.1 m in half a sweep, for whose middle a pose holds
 
 
 def test_a_truncated_bag_is_mapped_as_far_as_it_is_intact(bag, config, tmp_path, capsys, monkeypatch):
@@ -80,7 +80,7 @@ def test_a_truncated_bag_is_mapped_as_far_as_it_is_intact(bag, config, tmp_path,
     assert "not closed properly" in capsys.readouterr().out
     metrics = json.loads(read(tmp_path / "out", "metrics.json"))
     assert 3 < metrics["counts"]["scans"] < NUM_SCANS
-    assert read(os.path.dirname(cut), "cut.bag") == content[:int(0.6 * len(content))]  # the original is left alone
+    assert read(os.path.dirname(cut), "cut.bag") == content[:int(0.6 * len(content))]  # the original is not changed
     gc.collect()
     assert [name for name in os.listdir(str(copies)) if name.endswith(".bag")] == []
 
@@ -133,7 +133,7 @@ def test_a_misspelt_parameter_is_named(bag, tmp_path, capsys):
 def test_poses_are_interpolated_and_never_extrapolated(tmp_path):
     turned = voxnav.interpolate_pose(simulation.pose(0, 0, 0, 3.0), simulation.pose(2, 0, 0, -3.0), 0.5)
     assert np.allclose(turned[:3, 3], (1, 0, 0))
-    assert abs(voxnav.yaw_of(turned)) == pytest.approx(np.pi)  # the short way around
+    assert abs(voxnav.yaw_of(turned)) == pytest.approx(np.pi)  # the shorter of the two rotations is interpolated
     mapper = voxnav.Mapper(voxnav.MapperConfig(max_pose_gap_s=1.0))
     result = voxnav.CloudFilter(voxnav.CloudFilterConfig()).apply(np.full((20, 4), 5.0, np.float32))
     for stamp_s in (0.99, 1.5, 2.01):

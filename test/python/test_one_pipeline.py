@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A recording through the nodes in lock-step and through scripts/map_bag: one trajectory and one map, byte for byte."""
+"""The nodes in lock-step and scripts/map_bag make the same trajectory and map of a recording, byte for byte."""
 
 import os
 import subprocess
@@ -15,7 +15,7 @@ from recordings import ROOT, sweeps, write_bag  # noqa: E402
 from voxnav.offline.cli import main as map_bag  # noqa: E402
 
 NUM_SCANS = 36
-# Open beams, and submaps that close during the flight.
+# Open beams are enabled, and submaps close during the flight, so that both are part of the comparison.
 NODES = """
 cloud_filter: {open_beams: {is_enabled: true}}
 local_mapper:
@@ -45,7 +45,7 @@ def through_the_nodes(bag, config, out, *options):
 
 
 def content(directory):
-    """Bytes of every file of a map, by name."""
+    """Returns the bytes of every file of a map, by name."""
     out = {}
     for folder, _, names in os.walk(directory):
         for name in names:

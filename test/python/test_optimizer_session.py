@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The submap optimiser without ROS."""
+"""The session of the submap optimiser, without ROS, takes submaps, loops, GNSS and heights and corrects the poses."""
 
 import os
 
@@ -14,13 +14,13 @@ PERIOD_S = 10.0
 
 
 def body_at(t):
-    """True flight: a circle of 30 m, once in 200 s."""
+    """Returns the true pose on a circle with a radius of 30 m that takes 200 s."""
     angle = 2.0 * np.pi * t / 200.0
     return voxnav.pose_from_yaw([30.0 * np.sin(angle), 30.0 * (1.0 - np.cos(angle)), 5.0], angle)
 
 
 def drifted(T, t):
-    """Odometry slides and turns slowly."""
+    """Returns the pose that odometry reports, which drifts slowly in position and heading."""
     return voxnav.pose_from_yaw([0.01 * t, 0.004 * t, 0.0], 0.0004 * t) @ T
 
 
@@ -61,7 +61,7 @@ def test_loop_between_submaps_matches_the_chain_of_poses():
     T_A_B = voxnav.pose_from_yaw([5.0, -2.0, 1.0], 1.2)
     T, information = loop_between_submaps(a, b, T_A_B, np.eye(6) * 0.01)
     np.testing.assert_allclose(T, a @ T_A_B @ np.linalg.inv(b), atol=1e-12)
-    # Monte Carlo: the information is the inverse of the spread of the submap's pose.
+    # The information must be the inverse of the covariance of the submap's pose, which is sampled here.
     rng = np.random.default_rng(1)
     errors = []
     for noise in rng.normal(scale=0.1, size=(20000, 4)) * [1, 1, 1, 0.1]:
@@ -148,7 +148,7 @@ def test_gnss_in_its_own_frame_removes_drift():
         session.add_submap(record_of(k))
         report = session.optimize()
     assert report.num_constraints["gnss"] == 40
-    # Free turn about the start: compare the far side of the circle by its distance from the start.
+    # GNSS in a frame of its own leaves the rotation about the start free, so only the distance from the start counts.
     stamps, poses = session.trajectory()
     i = int(np.argmin(np.abs(stamps - 195.0)))
     flown_m = np.linalg.norm(poses[i][:3, 3] - poses[0][:3, 3])
@@ -187,7 +187,7 @@ def test_trajectory_is_thinned_to_its_limit_and_has_no_steps():
     assert steps.max() < 1.5 * np.median(steps[steps > 0.01])
 
 
-def test_empty_session_answers():
+def test_an_empty_session_can_be_queried():
     session = OptimizerSession()
     assert session.optimize().is_converged
     stamps, poses = session.trajectory()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shipped configurations and docs/parameters.md say what the code says."""
+"""Shipped configurations and docs/parameters.md agree with the defaults in the code."""
 
 import os
 
@@ -9,7 +9,7 @@ import yaml
 from voxnav import parameters
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-# Files that only list what differs from the defaults.
+# These files list only the parameters that differ from the defaults.
 PARTIAL = {"map_bag", "simulation", "thesis"}
 
 

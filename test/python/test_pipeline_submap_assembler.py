@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Finished submaps from handovers, through the Python face."""
+"""SubmapAssembler, through Python, makes finished submaps of handovers and of clouds."""
 import numpy as np
 import pytest
 
@@ -13,7 +13,7 @@ def pose(x):
 
 
 def handovers(max_early_blocks=1024):
-    """Of a sensor that moves 100 m along a wall beside it, so that its 40 m window leaves most of it behind."""
+    """Returns the handovers of a sensor that flies 100 m along a wall, most of which leaves its window of 40 m."""
     m = voxnav.LocalMap(voxnav.LocalMapConfig(window_size_m=(40, 40, 20)))
     config = voxnav.SubmapSchedulerConfig(period_s=100.0, max_distance_m=1000.0, max_early_blocks=max_early_blocks)
     scheduler = voxnav.SubmapScheduler(config)
@@ -43,7 +43,7 @@ def test_a_submap_handed_over_in_parts_is_the_same_as_in_one():
     assert in_parts.submap.to_bytes() == at_once.submap.to_bytes()
 
 
-def test_a_finished_submap_says_how_it_was_made():
+def test_a_finished_submap_holds_the_poses_of_which_it_was_made():
     handover = handovers()[-1]
     finished = assembled([handover])
     assert finished.submap_id == handover.submap_id

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Submap scheduling and deskew through the Python face."""
+"""SubmapScheduler and deskewing work through Python as they do in the nodes."""
 import numpy as np
 import pytest
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A LiDAR leaves cones above and below the vehicle unknown: plans have to leave the start beside them."""
+"""Plans leave the start beside the cones above and below the vehicle, which the LiDAR cannot see."""
 
 import itertools
 
@@ -13,7 +13,10 @@ LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
 
 
 def seen_from(vehicle, elevation_deg=45.0, range_m=12.0):
-    """What beams within the elevation leave known free: all voxels that one of them touches."""
+    """Returns the grid that is known after a scan in free space: all voxels that a beam touches are free.
+
+    Beams cover the elevations from -elevation_deg to elevation_deg.
+    """
     n = int(2 * range_m / RESOLUTION)
     low = np.floor((np.asarray(vehicle) - range_m) / RESOLUTION) * RESOLUTION
     centers = [low[k] + (np.arange(n) + 0.5) * RESOLUTION - vehicle[k] for k in range(3)]
@@ -45,6 +48,6 @@ def test_steep_goals_are_approached_beside_the_blind_cones(goal):
         assert voxnav.check_corridor(view, outcome.waypoints_O, 0.7).safe
 
 
-def test_without_the_rule_a_steep_goal_leads_into_the_cone():
+def test_without_known_distance_a_steep_goal_leads_into_the_unknown_cone():
     outcomes = [plan(np.array(vehicle), np.array((0.0, 0.0, 25.0)), known_distance_m=0.0)[1] for vehicle in OFFSETS]
     assert any("unknown" in o.problem for o in outcomes)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Searching and corridor checks through the bindings, and the combined map."""
+"""The path search, the corridor check and the navigation map work through Python as documented."""
 
 import pathlib
 
@@ -67,7 +67,7 @@ def test_corridor_lets_only_known_free_space_pass():
 
 
 def navigation_map(**config):
-    """Local map: free box of 16 m around the origin of O, vehicle in it."""
+    """Returns a navigation map whose local map is a free box of 16 m around the origin of O, with the vehicle in it."""
     nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(**config))
     local = free_grid((40, 40, 40), (-8.0, -8.0, -8.0))
     assert nav.view() is None
@@ -130,7 +130,7 @@ def test_obstacles_of_the_global_map_move_with_the_correction_and_give_way_to_lo
     nav.apply_obstacles(1, 0.4, **obstacles.snapshot())
     assert far_side(nav).status == "complete"
     T_W_O = np.eye(4)
-    T_W_O[0, 3] = 8.8  # the wall stands at x = 3.2 m in O now
+    T_W_O[0, 3] = 8.8  # with this correction the wall is at x = 3.2 m in O
     nav.set_T_W_O(T_W_O)
     assert far_side(nav).status == "partial_blocked"
     nav = navigation_map(local_knows_better=True, min_altitude_m=-20.0)
@@ -142,7 +142,7 @@ def test_obstacles_of_the_global_map_move_with_the_correction_and_give_way_to_lo
 def test_altitude_limits_hold_in_the_map_frame():
     nav = navigation_map(min_altitude_m=1.0, max_altitude_m=20.0)
     T_W_O = np.eye(4)
-    T_W_O[2, 3] = 2.0  # O starts 2 m above the map's origin
+    T_W_O[2, 3] = 2.0  # the origin of O is 2 m above the origin of the map frame
     nav.set_T_W_O(T_W_O)
     config = voxnav.AStarConfig(safety_distance_m=0.0, goal_search_radius_m=0.0)
     planner = voxnav.AStarPlanner(config)

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A* against the published optimal costs of a voxel benchmark (Brewer & Sturtevant 2018)."""
+"""A* finds the published optimal costs of a benchmark of voxel maps.
+
+Source: Brewer and Sturtevant, Benchmarks for Pathfinding in 3D Voxel Space, SoCS 2018.
+"""
 
 import os
 import pathlib
@@ -14,7 +17,7 @@ DATA = pathlib.Path(os.environ.get("VOXNAV_DATA", str(ROOT.parent / "shared" / "
 
 
 def load_map(path):
-    """Grid of 1 m voxels, all free but the listed ones."""
+    """Returns a grid of 1 m voxels that are free unless the file lists them."""
     with open(str(path)) as lines:
         size = [int(n) for n in next(lines).split()[1:]]
         blocked = np.array([[int(n) for n in line.split()] for line in lines if line.strip()])
@@ -24,7 +27,7 @@ def load_map(path):
 
 
 def load_queries(path):
-    """(n, 7): start cell, goal cell, optimal cost."""
+    """Returns an array (n, 7) with start cell, goal cell and optimal cost."""
     with open(str(path)) as lines:
         rows = [line.split() for line in lines][2:]
     return np.array([[float(x) for x in row[:7]] for row in rows if len(row) >= 7])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The planning manager's states, driven by a fake vehicle."""
+"""The planning manager flies a simulated vehicle to its goals and reacts to faults with a reason."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ START = (0.0, 0.0, 0.0)
 
 
 def world(*boxes):
-    """Free space with occupied boxes (lowest and highest corner, metres in O)."""
+    """Returns free space with occupied boxes, each given by its lowest and highest corner in metres in O."""
     truth = np.ones(SIZE, dtype=np.int8)
     for low, high in boxes:
         a = np.floor((np.array(low) - ORIGIN) / 0.4).astype(int)
@@ -59,7 +59,7 @@ def test_goal_is_kept_in_the_map_frame():
     flight = started(world(), (20.0, 2.0, 1.0), T_W_O=shift)
     assert flight.fly(5.0, moving)
     corrected = shift.copy()
-    corrected[:3, 3] = (3.0, 0.0, 0.5)  # the graph has changed in flight
+    corrected[:3, 3] = (3.0, 0.0, 0.5)  # the graph corrects the map during the flight
     flight.T_W_O = corrected
     assert flight.fly(40.0, reached), flight.manager.status
     assert np.linalg.norm(flight.position - (17.0, 2.0, 0.5)) < 0.8
@@ -150,7 +150,7 @@ def test_hover_is_repeated_until_it_is_accepted():
     assert flight.manager.status["goal_W"] is None
 
 
-def test_a_stop_on_the_ground_does_not_wait_for_a_hover_that_nobody_can_fly():
+def test_a_stop_on_the_ground_does_not_wait_for_a_hover():
     flight = FakeFlight(world(), ORIGIN, START)
     flight.look()
     flight.tell()
@@ -174,7 +174,7 @@ def test_goal_inside_an_obstacle_ends_near_it_with_a_reason():
 
 
 def test_a_goal_a_little_too_near_to_an_obstacle_is_reached_within_its_tolerance():
-    # 0.7 m before the box is less than the safety distance; half a metre back is near enough to the goal.
+    # The goal is 0.7 m before the box, less than the safety distance; a place 0.5 m before it is within the tolerance.
     flight = started(world(((12.0, -1.0, -1.0), (13.0, 1.0, 1.0))), (11.3, 0.0, 0.0))
     assert flight.fly(40.0, reached), flight.manager.status
     assert 0.1 < np.linalg.norm(flight.position - (11.3, 0.0, 0.0)) <= 0.8
@@ -191,7 +191,7 @@ def test_an_enclosed_vehicle_is_reported_stuck():
 def test_nothing_is_flown_into_unknown_space():
     flight = started(world(), (25.0, 0.0, 0.0), known_range_m=6.0, stuck_time_s=4.0)
     flight.lost.add("look")
-    flight.look = lambda: None  # the map stops growing, but stays fresh
+    flight.look = lambda: None  # the map learns nothing more, but its stamp stays recent
     assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None)
     assert "unknown" in flight.manager.status["reason"]
     assert flight.position[0] < 6.0
@@ -228,7 +228,7 @@ def test_a_new_goal_in_flight_replaces_the_old_one():
 
 
 def assert_dropped(flight, words):
-    """The goal is gone for a reason, voxnav has not commanded anything, and does not fly on by itself."""
+    """Asserts that the goal was dropped with a reason, voxnav commands nothing, and a new goal is flown to."""
     status = flight.manager.status
     assert status["goal_W"] is None and not status["is_goal_reached"] and status["state"] == IDLE
     assert status["reason"].startswith("goal dropped: ") and words in status["reason"]
@@ -240,7 +240,7 @@ def assert_dropped(flight, words):
     assert flight.fly(60.0, reached), flight.manager.status
 
 
-def test_a_hover_of_somebody_else_drops_the_goal():
+def test_a_hover_commanded_by_another_node_drops_the_goal():
     flight = started(world(), (25.0, 0.0, 0.0))
     assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
     flight.hover()
@@ -257,7 +257,7 @@ def test_a_landing_drops_the_goal():
     assert_dropped(flight, "landed")
 
 
-def test_a_landing_out_of_voxnavs_own_hover_drops_the_goal():
+def test_a_landing_during_a_hover_of_voxnav_drops_the_goal():
     flight = started(world(), (25.0, 0.0, 0.0))
     assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
     flight.lost.add("map")
@@ -269,7 +269,7 @@ def test_a_landing_out_of_voxnavs_own_hover_drops_the_goal():
     assert_dropped(flight, "landed")
 
 
-def test_another_node_that_commands_the_tracker_keeps_it():
+def test_a_command_of_another_node_to_the_tracker_drops_the_goal():
     flight = started(world(), (25.0, 0.0, 0.0))
     assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
     flight.flown = None
@@ -278,7 +278,7 @@ def test_another_node_that_commands_the_tracker_keeps_it():
     assert_dropped(flight, "somebody else commands")
 
 
-def test_a_tracker_that_never_accepts_goals_again_after_a_hover_is_somebody_elses():
+def test_a_tracker_that_refuses_goals_long_after_a_hover_counts_as_commanded_by_another_node():
     flight = started(world(), (25.0, 0.0, 0.0))
     assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
     flight.lost.add("map")

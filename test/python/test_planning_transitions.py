@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every row of the table of transitions in voxnav.planning_manager, function by function."""
+"""Every row of the table of transitions in voxnav.planning_manager holds, function by function."""
 
 import re
 from dataclasses import replace
@@ -55,7 +55,7 @@ def moving_state(**kwargs):
 
 
 def view(occupied=None):
-    """Known free around the trajectory, but for a column of voxels at (x, y)."""
+    """Returns a view in which all is free around the trajectory, except for a column of voxels at (x, y)."""
     truth = np.ones((60, 20, 12), dtype=np.int8)
     if occupied is not None:
         truth[tuple(np.floor((np.array(occupied) + (4.0, 4.0)) / 0.4).astype(int))] = 2
@@ -117,13 +117,13 @@ def test_stop_drops_the_goal_and_hovers():
 @pytest.mark.parametrize("control, words", [
     (Control(True, False, False), "hover or land"), (Control(False, False, False), "landed"),
     (Control(True, True, False), "somebody else commands")])
-def test_somebody_elses_command_drops_the_goal_and_no_command_follows(control, words):
+def test_a_command_of_another_node_drops_the_goal_and_no_command_follows(control, words):
     after, actions = planning.tick(moving_state(), facts(control=control))
     assert isinstance(after, Idle) and after.goal is None and not actions
     assert after.because.reason is Reason.TAKEN_OVER and words in after.because.sentence
 
 
-def test_a_trajectory_that_is_over_is_not_a_takeover():
+def test_a_trajectory_that_has_ended_is_no_command_of_another_node():
     over = flight(begin_s=NOW - 0.2 - TRAJECTORY.duration_s)
     after, _ = planning.tick(moving_state(flight=over), at_rest(control=Control(True, True, False)))
     assert after.goal is not None
@@ -152,7 +152,7 @@ def test_a_hover_is_repeated_until_it_is_accepted_and_nothing_else_is_done():
     assert after.hover.accepted_s == NOW + 1.7
 
 
-def test_nobody_hovers_on_the_ground():
+def test_no_hover_is_commanded_on_the_ground():
     state = Idle(BECAUSE, None, OwnHover(BECAUSE, NOW - 5.0))
     after, actions = planning.tick(state, at_rest(control=Control(False, False, False)))
     assert after.hover is None and not actions
@@ -177,7 +177,7 @@ def test_a_missing_input_leads_to_idle_with_the_goal_and_hovers_only_in_motion(r
     assert isinstance(after, Idle) and not actions and after.because.reason is reason
 
 
-def test_a_clock_that_jumps_back_hovers_and_notes_its_times_anew():
+def test_a_clock_that_jumps_back_leads_to_hover_and_restarts_the_timeouts():
     after, actions = stopping.jump_clock(moving_state(), facts(NOW - 50.0))
     assert isinstance(after, Idle) and after.goal is not None and kinds(actions) == [Hover]
     after, actions = stopping.jump_clock(Idle(BECAUSE, None, OwnHover(BECAUSE, NOW)), facts(NOW - 50.0))
@@ -262,7 +262,7 @@ def test_no_plan_is_due_while_there_is_a_job_or_a_trajectory_to_the_goal():
     to_goal = moving_state(flight=flight(is_to_goal=True))
     assert not planning.is_plan_due(to_goal, later)
     moved = np.eye(4)
-    moved[0, 3] = 1.0  # the graph has moved the goal
+    moved[0, 3] = 1.0  # the graph has corrected the map, so that the goal is elsewhere in O
     assert planning.is_plan_due(to_goal, replace(later, inputs=replace(later.inputs, T_W_O=Timed(NOW, moved))))
 
 
@@ -331,7 +331,7 @@ def test_a_safe_trajectory_is_published():
     assert after.job.leads.is_to_goal and after.job.because.sentence == "moving to the goal"
 
 
-def test_of_a_generated_trajectory_only_the_safe_part_is_published():
+def test_only_the_safe_part_of_a_generated_trajectory_is_published():
     state = planning_state(job=generating())
     after, (publish,) = flying.generate_done(state, JOB, TRAJECTORY, "", view((11.0, 0.0)), at_rest())
     assert publish.trajectory.length_m < 11.0 and not after.job.leads.is_to_goal
@@ -406,7 +406,7 @@ def test_answers_to_jobs_that_no_longer_matter_are_ignored(state):
     assert flying.publish_done(state, JOB + 1, "refused", facts()) == (state, ())
 
 
-def test_the_table_names_functions_that_are_there():
+def test_the_table_names_functions_that_exist():
     rows = [line for line in package.__doc__.splitlines() if re.match(r"(any|Idle|P, M|Planning|Moving)  ", line)]
     assert len(rows) > 20
     for row in rows:

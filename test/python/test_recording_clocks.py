@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stamps of a recorded topic: a lone outlier is dropped, a lasting jump is a new clock, and nothing else is lost."""
+"""In the stamps of a recorded topic a lone outlier is dropped, a lasting jump is a new clock, and all else is kept."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,10 @@ S = 10**9
 
 
 def stamped(shifts_s=None, record_shifts_s=None):
-    """(stamps, record times) [ns] of a topic; shifts by message number [s]."""
+    """Returns (stamps, record times) of a topic in ns, of which those of some messages are shifted.
+
+    shifts_s, record_shifts_s: {number of the message: shift in seconds}.
+    """
     stamps = [int(S * (1000.0 + PERIOD_S * i)) for i in range(NUM)]
     records = [stamp + int(S * LATENCY_S) for stamp in stamps]
     for i, shift_s in (shifts_s or {}).items():
@@ -23,7 +26,7 @@ def stamped(shifts_s=None, record_shifts_s=None):
 
 
 def run(stamps, records, offsets_ns=()):
-    """(numbers of the messages that come out with their stamps, LeftOut, notes)."""
+    """Returns (numbers and stamps of the messages that come out, LeftOut, notes)."""
     left_out = LeftOut()
     clock = TopicClock("cloud", left_out, PERIOD_S, offsets_ns)
     out = []
@@ -37,7 +40,7 @@ def numbers(out):
     return [number for number, _ in out]
 
 
-def test_good_stamps_pass_as_they_are():
+def test_good_stamps_are_not_changed():
     stamps, records = stamped()
     out, left_out, notes = run(stamps, records)
     assert out == list(enumerate(stamps)) and not left_out and notes == []
@@ -46,7 +49,7 @@ def test_good_stamps_pass_as_they_are():
 @pytest.mark.parametrize("away_s", [3600.0, -3600.0, 1.7e9, 20.0])
 @pytest.mark.parametrize("at", [0, 1, 7, NUM - 1])
 @pytest.mark.parametrize("knows_offset", [False, True])
-def test_a_lone_outlier_costs_itself(away_s, at, knows_offset):
+def test_a_lone_outlier_loses_only_its_message(away_s, at, knows_offset):
     stamps, records = stamped({at: max(away_s, -999.0)})
     offsets_ns = clock_offsets_ns(np.array(stamps), np.array(records)) if knows_offset else ()
     out, left_out, _ = run(stamps, records, offsets_ns)
@@ -54,7 +57,7 @@ def test_a_lone_outlier_costs_itself(away_s, at, knows_offset):
     assert left_out.count("cloud") == 1 and "alone" in left_out.lines()[0]
 
 
-def test_two_outliers_on_different_clocks_cost_themselves():
+def test_outliers_on_different_clocks_lose_only_their_messages():
     out, left_out, _ = run(*stamped({9: 3600.0, 10: -500.0, 20: 3600.0}))
     assert numbers(out) == [i for i in range(NUM) if i not in (9, 10, 20)]
     assert left_out.count("cloud") == 3
@@ -62,7 +65,7 @@ def test_two_outliers_on_different_clocks_cost_themselves():
 
 @pytest.mark.parametrize("jump_s", [3600.0, -900.0, 5.0])
 @pytest.mark.parametrize("at", [5, 12])
-def test_what_was_stamped_before_the_clock_was_set_is_moved_to_it(jump_s, at):
+def test_stamps_from_before_the_clock_was_set_are_moved_to_the_new_clock(jump_s, at):
     truth, records = stamped()
     stamps, _ = stamped({i: jump_s for i in range(at)})
     out, left_out, notes = run(stamps, records, clock_offsets_ns(np.array(stamps), np.array(records)))
@@ -85,7 +88,7 @@ def test_a_pause_of_the_sensor_is_no_jump_of_its_clock():
     assert out == list(enumerate(stamps)) and not left_out and notes == []
 
 
-def test_one_message_after_a_long_pause_is_alone():
+def test_a_single_message_after_a_long_pause_is_an_outlier():
     stamps, records = stamped({NUM - 1: 3600.0}, {NUM - 1: 3600.0})
     assert numbers(run(stamps, records)[0]) == list(range(NUM - 1))
 
@@ -99,7 +102,7 @@ def test_messages_recorded_in_another_order_are_sorted(swapped):
     assert out == list(enumerate(stamps)) and not left_out
 
 
-def test_repeated_messages_are_left_out_once_and_said():
+def test_repeated_messages_are_left_out_and_reported():
     stamps, records = stamped()
     repeated = range(10, 13)
     out, left_out, _ = run(stamps + [stamps[i] for i in repeated], records + [records[i] + 1000 for i in repeated])
@@ -107,7 +110,7 @@ def test_repeated_messages_are_left_out_once_and_said():
     assert left_out.count("cloud") == 3 and left_out.count("cloud", but=REPEATED) == 0
 
 
-def test_a_clock_that_stands_still_is_said():
+def test_a_clock_that_stands_still_is_reported():
     stamps, records = stamped()
     stamps[20:30] = [stamps[20]] * 10
     out, left_out, notes = run(stamps, records)
@@ -115,14 +118,14 @@ def test_a_clock_that_stands_still_is_said():
     assert left_out.count("cloud") == 9 and "stood still" in notes[0]
 
 
-def test_zero_stamps_are_left_out_by_name():
+def test_zero_stamps_are_left_out_and_reported():
     stamps, records = stamped()
     stamps[3] = stamps[30] = 0
     out, left_out, _ = run(stamps, records)
     assert len(out) == NUM - 2 and "2 x cloud left out" in left_out.lines()[0] and "zero" in left_out.lines()[0]
 
 
-def test_a_recording_of_one_message_is_taken():
+def test_a_recording_of_one_message_is_used():
     assert numbers(run([5 * S], [6 * S])[0]) == [0]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where sensors sit: any chain of links that do not move, and an error where nothing tells."""
+"""The mount of a sensor is found over any chain of constant transforms, and is an error if no transform gives it."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def mount(frames, cloud="lidar", body="base", imu=None, T_B_L=None):
                       T_B_L)
 
 
-def test_chains_are_followed_up_and_down():
+def test_chains_are_followed_in_both_directions():
     frames = graph(("base", "sensor", A), ("sensor", "lidar", B), ("sensor", "imu", C))
     assert np.allclose(frames.chain("base", "lidar").T_A_B, A @ B)
     assert np.allclose(frames.chain("imu", "lidar").T_A_B, np.linalg.inv(C) @ B)
@@ -59,21 +59,21 @@ def test_a_link_that_moves_is_no_mount_and_is_named():
         mount(frames)
 
 
-def test_a_constant_link_on_tf_counts_as_one_that_does_not_move():
+def test_a_constant_link_on_tf_counts_as_static():
     frames = FrameGraph()
     for i in range(100):
         frames.add("base", "lidar", mount_of((0.1, 0, 1e-5 * (i % 2)), (0, 0, 0.5)), is_static=False)
     assert mount(frames).T_B_L[0, 3] == 0.1
 
 
-def test_a_static_link_that_was_sent_twice_holds_as_sent_last_and_is_said():
+def test_of_a_static_link_that_was_sent_twice_the_last_one_counts_and_this_is_reported():
     frames = graph(("base", "lidar", A), ("base", "lidar", B))
     assert np.allclose(mount(frames).T_B_L, B)
     assert "different values" in frames.warnings[0]
 
 
 @pytest.mark.parametrize("frames", [graph(), graph(("base", "camera", A)), graph(("other", "lidar", A))])
-def test_nothing_known_is_an_error_that_names_frames_and_option(frames):
+def test_an_unknown_mount_is_an_error_that_names_frames_and_option(frames):
     with pytest.raises(DatasetError) as caught:
         mount(frames)
     for word in ("'base'", "'lidar'", "/odom", "/points", "--mount", "run/mount_position_m", "mount_source"):
@@ -81,11 +81,11 @@ def test_nothing_known_is_an_error_that_names_frames_and_option(frames):
     assert np.allclose(mount(frames, T_B_L=C).T_B_L, C)
 
 
-def test_the_imu_may_be_known_by_way_of_the_lidar():
+def test_the_mount_of_the_imu_may_be_known_through_the_lidar():
     frames = graph(("lidar", "imu", B))
     found = mount(frames, imu="imu", T_B_L=A)
     assert np.allclose(found.R_B_I, (A @ B)[:3, :3])
-    assert mount(frames, imu="elsewhere", T_B_L=A).R_B_I is None  # nobody needs it where there is odometry
+    assert mount(frames, imu="elsewhere", T_B_L=A).R_B_I is None  # with odometry the IMU's mount is not needed
 
 
 def test_without_odometry_the_imu_is_the_body_and_must_be_known():
@@ -100,7 +100,7 @@ def test_without_odometry_the_imu_is_the_body_and_must_be_known():
     assert np.array_equal(mount(graph(), body=None, imu="lidar").T_B_L, np.eye(4))
 
 
-def test_a_body_without_name_is_the_root_above_the_lidar_and_that_is_said():
+def test_an_unnamed_body_is_the_root_above_the_lidar_and_this_is_reported():
     found = mount(graph(("base", "lidar", A)), body="")
     assert np.allclose(found.T_B_L, A) and found.body == "base" and "child_frame_id" in found.notes[0]
     frames = graph(("base", "lidar", A), ("above", "base", B))
@@ -111,7 +111,7 @@ def test_a_body_without_name_is_the_root_above_the_lidar_and_that_is_said():
         mount(graph(), body="")
 
 
-def test_links_that_are_none_are_refused():
+def test_transforms_that_are_not_rigid_are_refused():
     for ends in (("", "lidar"), ("base", ""), ("base", "base")):
         with pytest.raises(ValueError):
             FrameGraph().add(ends[0], ends[1], A)

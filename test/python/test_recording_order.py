@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of several topics come in the order of what they tell of, whatever the order of their recording."""
+"""Messages of several topics are sorted by the time that they describe, whatever the order of their recording."""
 
 import random
 
@@ -12,7 +12,10 @@ S = 10**9
 
 
 def shuffled(seed, late_s):
-    """(topic, record) of clouds and IMU samples, each with rising stamps, recorded up to late_s later."""
+    """Returns (topic, record) of clouds and IMU samples in the order of their recording.
+
+    The stamps of each topic rise; late_s: {topic: how much later its messages are recorded}.
+    """
     generator = random.Random(seed)
     records = []
     for topic, period_s, num in (("points", 0.1, 30), ("imu", 0.005, 700)):
@@ -38,21 +41,21 @@ def run(records, topics=("points", "imu")):
 @pytest.mark.parametrize("late_s", [{"points": 0.0, "imu": 0.0}, {"points": 0.0, "imu": 0.3}, {"points": 2.0, "imu": 0},
                                     {"points": 0.0, "imu": 5.0}])
 @pytest.mark.parametrize("seed", range(3))
-def test_they_come_in_the_order_of_their_stamps(late_s, seed):
+def test_messages_come_in_the_order_of_their_due_times(late_s, seed):
     records = shuffled(seed, late_s)
     out, sorter = run(records)
     assert len(out) == len(records) and sorter.num_forced == 0
     assert [due for due, _, _ in out] == sorted(due for due, _, _ in out)
 
 
-def test_nobody_waits_for_a_topic_that_has_ended():
+def test_no_message_waits_for_a_topic_that_has_ended():
     records = [record for record in shuffled(0, {"points": 0.0, "imu": 0.0})
                if record[0] == "points" or record[1].due_ns < S]
     out, sorter = run(records)
     assert len(out) == len(records) and sorter.num_forced == 0
 
 
-def test_what_waits_is_bounded_by_time_and_bytes(monkeypatch):
+def test_waiting_messages_are_bounded_by_time_and_bytes(monkeypatch):
     sorter = TopicOrder(["points", "imu"])
     assert list(sorter.add("points", Ordered(S, S, 10, "first"))) == []
     assert list(sorter.add("points", Ordered(2 * S, S + order.MAX_WAIT_NS + 1, 10, "second"))) == ["first"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings as people have them: what is wrong costs itself and nothing else, and is counted and named."""
+"""A fault in a recording loses only the messages that it concerns, and it is counted and named."""
 
 import copy
 import json
@@ -28,7 +28,7 @@ def scans():
 
 
 class Run:
-    """What map_bag made of some messages."""
+    """A run of map_bag on a bag of messages, and its results."""
 
     def __init__(self, tmp_path, messages, *options, run="", name="flight"):
         bag, config, out = (str(tmp_path / (name + end)) for end in (".bag", ".yaml", ""))
@@ -55,13 +55,13 @@ class Run:
         return "\n".join(self.metrics["warnings"])
 
     def share_right(self, world, T_W_O=np.eye(4)):
-        """Share of the map's points within half a voxel of the true surface."""
+        """Returns the share of the map's points within half a voxel of the true surface."""
         points = voxnav.SubmapCollection.load(self.out + "/map").occupied_points().astype(np.float64)
         assert len(points) > 100
         return np.mean(world.surface_distance(points @ T_W_O[:3, :3].T + T_W_O[:3, 3]) < 0.2)
 
     def error_m(self):
-        """Greatest distance of the trajectory from the true one; a pose stands for the middle of its sweep."""
+        """Returns the largest distance from the true trajectory; a pose holds for the middle of its sweep."""
         stamps, poses = files.read_tum(self.out + "/trajectory_odom.txt")
         return max(np.linalg.norm((T - body_pose(t - FIRST_S + 1.0 + 0.5 * SWEEP_S))[:3, 3])
                    for t, T in zip(stamps, poses))
@@ -72,7 +72,7 @@ def good(scans, **options):
 
 
 def moved(msg, seconds):
-    """A copy of a message that bears a later stamp."""
+    """Returns a copy of a message with a later stamp."""
     import rospy
 
     out = copy.copy(msg)
@@ -117,7 +117,7 @@ BROKEN = {
 
 @pytest.mark.parametrize("which", [1, 6])
 @pytest.mark.parametrize("fault", sorted(BROKEN))
-def test_one_bad_message_costs_itself(fault, which, scans, tmp_path, capsys):
+def test_a_faulty_message_loses_only_itself(fault, which, scans, tmp_path, capsys):
     topic, spoil, what, word = BROKEN[fault]
     messages = good(scans)
     spoil(of_topic(messages, topic)[which][2])
@@ -126,13 +126,13 @@ def test_one_bad_message_costs_itself(fault, which, scans, tmp_path, capsys):
     assert run.num_scans == NUM_SCANS - (what == "cloud")
     assert len(run.metrics["left_out"]) == 1 and run.metrics["left_out"][0]["count"] == 1
     assert run.metrics["left_out"][0]["what"] == what and word in run.metrics["left_out"][0]["reason"].lower()
-    assert capsys.readouterr().out.rstrip().endswith(run.metrics["left_out_lines"][-1])  # what is left out comes last
+    assert capsys.readouterr().out.rstrip().endswith(run.metrics["left_out_lines"][-1])  # losses are printed last
     assert run.metrics["left_out_lines"][0] in run.metrics["warnings"]
     with open(run.out + "/report.html") as source:
         assert "What was left out" in source.read()
 
 
-def test_a_damaged_part_of_the_file_costs_the_messages_in_it(scans, tmp_path):
+def test_a_damaged_part_of_the_file_loses_only_the_messages_in_it(scans, tmp_path):
     bag = write_messages(str(tmp_path / "flight.bag"), good(scans), "bz2")
     with open(bag, "rb") as source:
         content = bytearray(source.read())
@@ -147,7 +147,7 @@ def test_a_damaged_part_of_the_file_costs_the_messages_in_it(scans, tmp_path):
 
 @pytest.mark.parametrize("topic, number", [("/points", 5), ("/points", 0), ("/odom", 20), ("/odom", 0)])
 @pytest.mark.parametrize("away_s", [3600.0, -90.0])
-def test_a_lone_stamp_on_another_clock_costs_its_message(topic, number, away_s, scans, tmp_path):
+def test_a_lone_stamp_on_another_clock_loses_only_its_message(topic, number, away_s, scans, tmp_path):
     import rospy
 
     messages = good(scans)
@@ -160,7 +160,7 @@ def test_a_lone_stamp_on_another_clock_costs_its_message(topic, number, away_s, 
 
 
 @pytest.mark.parametrize("topic", ["/points", "/odom"])
-def test_what_was_recorded_before_the_clock_was_set_is_used(topic, scans, tmp_path):
+def test_messages_from_before_the_clock_was_set_are_used(topic, scans, tmp_path):
     import rospy
 
     messages = good(scans)
@@ -211,7 +211,7 @@ def test_a_cloud_waits_for_the_imu_of_its_sweep(late_s, scans, tmp_path):
     assert np.array_equal(stamps[0][0], stamps[1][0]) and np.array_equal(stamps[0][1], stamps[1][1])
 
 
-def test_odometry_that_is_silent_is_covered_by_lidar_odometry_and_never_interpolated(scans, tmp_path):
+def test_a_gap_of_odometry_is_filled_by_lidar_odometry_and_never_interpolated(scans, tmp_path):
     def is_silent(message):
         return message[1] == "/odom" and FIRST_S + 0.45 < message[0] < FIRST_S + 1.05
     messages = [message for message in good(scans) if not is_silent(message)]
@@ -226,7 +226,7 @@ def test_odometry_that_is_silent_is_covered_by_lidar_odometry_and_never_interpol
     assert left.error_m() < 0.06
 
 
-def test_odometry_that_ends_early_is_covered_too(scans, tmp_path):
+def test_lidar_odometry_continues_where_odometry_ends_early(scans, tmp_path):
     messages = [message for message in good(scans) if message[1] != "/odom" or message[0] < FIRST_S + 0.8]
     run = Run(tmp_path, messages)
     assert run.status == 0 and run.num_scans >= NUM_SCANS - 1 and "to the end" in run.warnings
@@ -244,7 +244,7 @@ def test_several_bags_are_one_flight(scans, tmp_path):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
-def test_positions_in_utm_are_brought_near_and_that_is_said(scans, tmp_path, capsys):
+def test_positions_in_utm_are_shifted_to_the_origin_and_this_is_reported(scans, tmp_path, capsys):
     plain = Run(tmp_path, good(scans), name="plain")
     messages = good(scans)
     for message in of_topic(messages, "/odom"):
@@ -260,10 +260,10 @@ def test_positions_in_utm_are_brought_near_and_that_is_said(scans, tmp_path, cap
     assert run.share_right(scans[0], T_W_O) > 0.95 and plain.metrics["origin_m"] == [0.0, 0.0, 0.0]
 
 
-def test_the_lidar_is_chosen_by_what_its_clouds_are_like(scans, tmp_path, capsys):
+def test_the_topic_of_the_lidar_is_recognised_by_its_clouds(scans, tmp_path, capsys):
     messages = good(scans)
     for record_s, _, msg in of_topic(messages, "/points"):
-        narrow = copy.deepcopy(msg)  # as of a depth camera: near, ahead, without times
+        narrow = copy.deepcopy(msg)  # a cloud like those of a depth camera: near, ahead, without point times
         rows = np.frombuffer(msg.data, np.uint8).reshape(-1, msg.point_step)
         xyz = rows[:, :12].copy().view("<f4")
         near = rows[(np.abs(xyz[:, 1]) < xyz[:, 0]) & (np.linalg.norm(xyz, axis=1) < 4.0)]
@@ -332,7 +332,7 @@ def test_the_page_of_a_bad_recording_names_each_problem_and_what_to_do(scans, tm
         assert words in page
 
 
-def test_the_page_tells_gaps_of_odometry_and_transforms_that_are_none(scans, tmp_path, capsys):
+def test_the_page_names_gaps_of_odometry_and_invalid_transforms(scans, tmp_path, capsys):
     messages = [message for message in good(scans)
                 if message[1] != "/odom" or not FIRST_S + 0.4 < message[0] < FIRST_S + 0.9]
     broken = link("body", "camera", np.eye(4))
@@ -344,10 +344,10 @@ def test_the_page_tells_gaps_of_odometry_and_transforms_that_are_none(scans, tmp
     assert "body to camera is not one" in page
 
 
-def test_a_large_recording_is_looked_at_in_windows_that_show_the_same(scans, tmp_path, capsys, monkeypatch):
+def test_a_large_recording_is_surveyed_in_windows_with_the_same_result(scans, tmp_path, capsys, monkeypatch):
     messages = good(scans, with_imu=True)
     later = []
-    for i in range(1, 20):  # the flight over and over again
+    for i in range(1, 20):  # the same flight again and again
         later += [[record_s + 1.72 * i, topic, moved(msg, 1.72 * i)] for record_s, topic, msg in messages[1:]]
     bag = write_messages(str(tmp_path / "long.bag"), messages + later)
     monkeypatch.setattr("voxnav.recordings.survey._WHOLE_BYTES", 1000)

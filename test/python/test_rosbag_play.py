@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``rosbag play --clock`` beside launch/bag.launch, as people replay recordings, and the mounts of that launch file."""
+"""A recording that ``rosbag play --clock`` replays beside launch/bag.launch is mapped, with the right mount."""
 
 import os
 import subprocess
@@ -23,12 +23,12 @@ from voxnav.recordings.plan import BagOptions, RecordingPlan  # noqa: E402
 
 NUM_SCANS, FIRST_S, LIMIT_S = 20, 500.0, 120.0
 MOUNT = mount_of((0.3, -0.2, 0.4), (0.1, 0.3, 1.2))
-# In real time on a busy machine scans come late; nothing here is about how fast.
+# On a busy machine scans and poses come late in real time, so the limits for them are wide.
 CONFIG = "local_mapper: {node: {tf_timeout_s: 5.0}, mapper: {max_pending_scans: 50}}\n"
 
 
 def recording():
-    """(world, messages) with the poses on /tf, and clouds whose points bear absolute times in seconds."""
+    """Returns (world, messages), with the poses on /tf and absolute point times in seconds."""
     world, scans = sweeps(MOUNT, NUM_SCANS)
     messages = flight(scans, MOUNT, first_stamp_s=FIRST_S, times=ABSOLUTE_TIMES)
     for t in np.arange(0.9, 1.3 + 0.1 * NUM_SCANS, 0.02):
@@ -67,7 +67,7 @@ def wait_until(condition):
 
 
 def map_of(env, folder):
-    """Points of the global map, as soon as it has any."""
+    """Returns the points of the global map as soon as it has any."""
     deadline = time.monotonic() + LIMIT_S
     while time.monotonic() < deadline:
         call(env, "/uav1/local_mapper/close_submap")
@@ -92,14 +92,14 @@ def test_a_played_recording_is_mapped_where_the_world_is(tmp_path):
         for name in ("local_mapper/close_submap", "submap_integrator/save", "submap_optimizer/optimize"):
             wait_for_service(master, "/uav1/" + name)
         assert wait_until(lambda: is_heard(master, "/points") and is_heard(master, "/uav1/cloud_filter/points"))
-        # Delayed, so that connections stand; slowly, as this machine may be busy.
+        # The player waits until connections are established, and plays slowly because the machine may be busy.
         with processes.Process(["rosbag", "play", "--clock", "--delay", "3", "-r", "0.5", bag],
                                str(tmp_path / "player.log"), env) as player:
             assert wait_until(lambda: not player.is_running())
         points = map_of(env, str(tmp_path / "map"))
     finally:
         launched.stop()
-    assert np.mean(world.surface_distance(points) < 0.2) > 0.95  # half a voxel
+    assert np.mean(world.surface_distance(points) < 0.2) > 0.95  # 0.2 m is half a voxel
 
 
 def plan_of(tmp_path, messages, **options):
@@ -115,12 +115,12 @@ def test_the_player_takes_the_mount_from_the_recording_and_never_the_identity(tm
     scans = sweeps(MOUNT, 4)[1]
     messages = flight(scans, MOUNT, first_stamp_s=FIRST_S)
     plan = plan_of(tmp_path, messages)
-    assert missing_link(plan, "body") is None  # the recording names it already
+    assert missing_link(plan, "body") is None  # the recording holds this transform
     parent, child, T = missing_link(plan, "uav1/fcu")
     assert (parent, child) == ("uav1/fcu", "body") and np.allclose(T, np.eye(4))
     lidar_only = flight(scans, MOUNT, first_stamp_s=FIRST_S, with_odometry=False)
     parent, child, T = missing_link(plan_of(tmp_path, lidar_only), "uav1/fcu")
-    assert child == "body" and np.allclose(T @ MOUNT, np.eye(4))  # poses are those of the LiDAR
+    assert child == "body" and np.allclose(T @ MOUNT, np.eye(4))  # without odometry, poses are those of the LiDAR
     moving = messages + [[FIRST_S + i, "/tf", link("odom", "body", body_pose(float(i)))] for i in range(3)]
     with pytest.raises(DatasetError, match="body_frame:=body"):
         missing_link(plan_of(tmp_path, moving), "uav1/fcu")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated world and LiDAR through voxnav.simulation."""
+"""The simulated world and LiDAR, through Python, are true to their mesh and repeat exactly."""
 
 import glob
 import os
@@ -7,7 +7,7 @@ import os
 import numpy as np
 import pytest
 
-# Only the compiled module may be absent; whatever else fails to import is a fault.
+# Only the compiled module may be absent; any other failure to import is an error.
 pytest.importorskip("voxnav._simulation", reason="built without Embree")
 import voxnav  # noqa: E402
 from voxnav import simulation  # noqa: E402
@@ -131,12 +131,12 @@ def test_vehicle_moves_for_rays_and_clearance():
 
 
 @pytest.mark.parametrize("bad", [np.eye(3), np.eye(4, dtype=np.float32), np.full((4, 4), np.nan)])
-def test_scan_refuses_what_is_no_pose(forest, bad):
+def test_scan_refuses_invalid_poses(forest, bad):
     with pytest.raises(ValueError):
         simulation.Lidar(model="os1-16", columns=16).scan(forest, bad)
 
 
-def test_queries_of_nothing_and_of_nan(forest):
+def test_queries_accept_empty_arrays_and_refuse_nan(forest):
     assert forest.clearance(np.zeros((0, 3))).shape == (0,)
     with pytest.raises(ValueError):
         forest.clearance([[np.nan, 0.0, 0.0]])

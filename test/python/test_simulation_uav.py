@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated vehicle through its Python face."""
+"""The simulated vehicle, through Python, flies within limits and as it predicts."""
 import numpy as np
 import pytest
 

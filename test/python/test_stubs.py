@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stubs say what the C++ modules hold: every public name, no other, with the same arguments."""
+"""The stubs of the C++ modules hold every public name with the same arguments, and no other name."""
 
 import ast
 import importlib.util

@@ -11,7 +11,7 @@ VOXEL = 0.4
 
 
 def scene(with_box=True):
-    """Ground seen from above and a box on it; (states, origin)."""
+    """Returns (states, origin) of ground that was seen from above, with or without a box on it."""
     states = np.ones((40, 40, 16), np.int8)
     states[:, :, 0] = 2
     if with_box:
@@ -110,7 +110,7 @@ def test_projective_integrator_finds_a_wall():
     np.testing.assert_allclose(u.surface_points()[:, 0], 5.03, atol=0.15)
 
 
-def test_collection_forgets_what_drove_away_and_keeps_the_rest():
+def test_collection_removes_a_box_that_newer_submaps_saw_through_and_keeps_the_rest():
     c = voxnav.SubmapCollection()
     c.add(1, submap(True), np.eye(4), stamp=10.0)
     before = c.occupied_points()
@@ -146,7 +146,7 @@ def test_obstacle_changes_add_up_to_the_grid():
     np.testing.assert_array_equal(received.states(points), c.obstacle_grid(1.0).states(points))
 
 
-def test_bends_come_with_poses_and_go_without():
+def test_bends_are_set_with_poses_and_reset_by_poses_without_them():
     c, bend = voxnav.SubmapCollection(), np.array([pose(0.3, 0, 0, 0), pose(0, -0.2, 0, 0)])
     c.add(1, submap(), np.eye(4), bend=bend)
     np.testing.assert_array_equal(c.bends()[1], bend)
@@ -158,7 +158,7 @@ def test_bends_come_with_poses_and_go_without():
         c.set_poses({1: np.eye(4)}, {1: bend[0]})
     field = submap().registration_field()
     shift = field.bent_surface_points(np.array([pose(0, 0, 0, 0), pose(4.0, 0, 0, 0)])) - field.surface_points()
-    assert np.all((shift[:, 0] > -1e-5) & (shift[:, 0] < 0.1))  # its time is not known: the middle
+    assert np.all((shift[:, 0] > -1e-5) & (shift[:, 0] < 0.1))  # points of unknown time count as seen in the middle
 
 
 def test_collection_save_and_load(tmp_path):
@@ -208,7 +208,7 @@ def test_queries_over_all_submaps():
     assert c.cast_ray((-5.0, 0.0, 5.0), (-50.0, 0.0, 5.0))[0] == 0
 
 
-def test_what_drove_away_is_listed():
+def test_a_box_that_disappeared_is_listed_as_a_change():
     c = voxnav.SubmapCollection()
     c.add(1, submap(True), np.eye(4), stamp=1.0)
     c.add(2, submap(False), pose(0.02, 0.03, 0.0), stamp=2.0)
@@ -233,7 +233,7 @@ def test_a_bounded_share_of_the_map_stays_in_memory(tmp_path):
     for i in range(200):
         for c in (paged, whole):
             c.add(i, voxnav.Submap.from_bytes(data), pose(20 * i, 0, 0))
-            c.states(np.zeros((1, 3), np.float32))  # merges what is new
+            c.states(np.zeros((1, 3), np.float32))  # a query merges the submaps that are new
     assert paged.num_resident < 200 == whole.num_resident
     np.testing.assert_array_equal(paged.occupied_points(), whole.occupied_points())
 
@@ -249,7 +249,7 @@ while True:
 
 
 @pytest.mark.parametrize("saves", [1, 2, 5, 9])
-def test_killed_while_saving_leaves_a_whole_map(tmp_path, saves):
+def test_a_process_that_is_killed_while_saving_leaves_a_complete_map(tmp_path, saves):
     directory = str(tmp_path / "map")
     c = voxnav.SubmapCollection()
     c.add(1, submap(), pose(1, 2, 3, 0.1))
@@ -283,7 +283,7 @@ def test_exports_hold_every_surface_point(tmp_path):
 def test_octomap_of_a_merged_map_far_from_the_origin_states_its_shift(tmp_path):
     near, far = voxnav.SubmapCollection(), voxnav.SubmapCollection()
     near.add(3, submap(), pose(0, 0, 0))
-    far.add(3, submap(), pose(500000.0, -40000.0, 0))  # whole voxels off
+    far.add(3, submap(), pose(500000.0, -40000.0, 0))  # shifted by whole voxels
     assert near.save_octomap(str(tmp_path / "near.ot")) is None
     with pytest.warns(UserWarning, match="was shifted; add"):
         shift = far.export(str(tmp_path))

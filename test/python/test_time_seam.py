@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Real time and a simulation that waits offer the same; in the second everything happens once per map."""
+"""RealTime and WaitingSimulation have the same methods; in a simulation that waits, work is done once per map."""
 
 import threading
 
@@ -20,7 +20,7 @@ class Progress:
 
 @pytest.fixture
 def clocks(monkeypatch):
-    """The ROS clock and wall time, to be set by the test; timers are kept instead of being started."""
+    """Returns the ROS clock and wall time, which the test sets; timers are recorded instead of being started."""
     class Clocks:
         ros_s, wall_s, timers = 50.0, 7.0, []
 
@@ -37,7 +37,7 @@ def seam(clocks):
     return time_seam.WaitingSimulation(Progress())
 
 
-def test_both_kinds_offer_the_same():
+def test_both_kinds_of_time_have_the_same_methods():
     public = [{name for name in dir(kind) if not name.startswith("_")}
               for kind in (time_seam.RealTime, time_seam.WaitingSimulation)]
     assert public[0] == public[1]
@@ -63,7 +63,7 @@ def test_inputs_wait_for_the_first_map_that_is_newer(seam):
     assert taken == ["old", "as old as the map"]
 
 
-def test_the_cycle_waits_until_what_was_sent_has_come(seam):
+def test_the_cycle_waits_until_announced_inputs_have_arrived(seam):
     newest, seen = [49.95], []
     seam.wait_for(lambda now_s: newest[0] >= now_s)
     seam.every(10.0, lambda: seen.append(newest[0]))
@@ -88,7 +88,7 @@ def test_timers_step_in_only_while_maps_are_missing(clocks, seam):
     assert calls[-1] == 51.5
 
 
-def test_nothing_takes_long_while_time_stands_still_or_only_simulated_time_runs(clocks, seam):
+def test_no_timeout_passes_while_time_stands_still_or_only_simulated_time_runs(clocks, seam):
     mark = seam.mark()
     clocks.wall_s += 100.0
     assert seam.elapsed_s(mark) == 0.0
@@ -99,7 +99,7 @@ def test_nothing_takes_long_while_time_stands_still_or_only_simulated_time_runs(
     assert seam.elapsed_s(mark) == 0.0
 
 
-def test_work_is_done_at_once_and_never_stopped(seam):
+def test_a_waiting_simulation_does_work_at_once_and_never_stops_it(seam):
     done = []
     seam.executor("worker", done.append).submit("job")
     assert done == ["job"]
@@ -119,7 +119,7 @@ def test_real_time_takes_inputs_at_once_and_measures_by_wall_time(clocks):
     assert taken == ["input", "tick"]
 
 
-def test_real_time_stops_what_takes_long():
+def test_real_time_stops_work_that_takes_too_long():
     raised = threading.Event()
     with time_seam.RealTime().stop_after(0.01) as stop:
         while not stop.is_raised:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""An aircraft has no Matplotlib: everything can be imported, and whoever asks for a picture is told what is missing."""
+"""Without Matplotlib, as on an aircraft, modules can be imported, and commands that draw name the missing package."""
 
 import subprocess
 import sys
@@ -18,7 +18,7 @@ def run(code):
 
 @pytest.mark.parametrize("module", ["voxnav.offline.cli", "voxnav.demo.flight", "voxnav.demo.recording",
                                     "voxnav.merging", "voxnav.alignment.cli"])
-def test_it_is_imported_without_matplotlib(module):
+def test_modules_are_imported_without_matplotlib(module):
     assert run("import %s" % module) == (0, "")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Enums of the core in Python: members that are their words."""
+"""Enums of the core in Python have members that compare equal to their words."""
 
 import copy
 import json
@@ -21,7 +21,7 @@ def test_configurations_take_members_and_words_and_give_members():
     assert config.unknown_policy is voxnav.UnknownPolicy.FORBID
 
 
-def test_yaml_and_documentation_speak_words():
+def test_yaml_and_documentation_use_words():
     config = voxnav.AStarConfig(unknown_policy=voxnav.UnknownPolicy.PENALISE)
     assert type(config.to_dict()["unknown_policy"]) is str and config.to_dict()["unknown_policy"] == "penalise"
     row = [field for field in voxnav.AStarConfig.describe() if field["name"] == "unknown_policy"][0]
@@ -38,7 +38,7 @@ def test_unknown_words_are_refused_with_what_is_allowed():
         voxnav.UnknownPolicy("hope")
 
 
-def test_members_read_like_their_words():
+def test_members_print_and_compare_as_their_words():
     member = voxnav.PlanStatus.NO_PATH
     assert member == "no_path" and member.value == "no_path" and hash(member) == hash("no_path")
     assert str(member) == "%s" % member == "{}".format(member) == f"{member}" == "no_path"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A flight over ROS in which nodes are killed: the vehicle comes to rest, says why, and goes on when they are back."""
+"""When a node is killed in flight, the vehicle comes to rest with a reason, and flies on when the node is back."""
 
 import subprocess
 import sys
@@ -17,7 +17,7 @@ from voxnav.demo.record import FlightRecord
 from voxnav.nodes.flight_recorder import FlightRecorder
 
 WORLD, SEED = "grove", 1
-LIMIT_S = 90.0  # of wall time, for anything that is waited for
+LIMIT_S = 90.0  # limit of wall time for every wait
 FRAME = "uav1/voxnav_map"
 MRS_TOPICS = {
     "estimation_manager/uav_state": "mrs_msgs/UavState", "estimation_manager/odom_main": "nav_msgs/Odometry",
@@ -59,7 +59,7 @@ class FlightTest(unittest.TestCase):
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight before killing " + victim)
         num_reasons, began = len(self.recorder.reasons), time.monotonic()
         self.kill(victim)
-        # A node that is back at once leaves no time to come to rest.
+        # Hovering or braking is enough: if the node is back soon, the vehicle does not come to rest.
         self.wait(lambda: any(reason.startswith(("hover", "brake")) for reason in self.recorder.reasons[num_reasons:]),
                   "hover after killing " + victim)
         self.wait(lambda: self.recorder.reasons[-1].startswith("moving") and self.recorder.speed_mps > 0.5,
@@ -68,7 +68,7 @@ class FlightTest(unittest.TestCase):
             victim, time.monotonic() - began, self.recorder.reasons[num_reasons:]))
 
     def kill_planner(self):
-        """It cannot brake any more, but every trajectory ends at rest in known free space, and the goal is kept."""
+        """Kills the planner, which then cannot brake; but its trajectory ends at rest, and the goal is kept."""
         self.wait(lambda: self.recorder.speed_mps > 0.5, "flight before killing the planner")
         before = self.recorder.status.header.stamp
         self.kill("planning_manager")
@@ -85,7 +85,7 @@ class FlightTest(unittest.TestCase):
         self.recorder.send_goal(FRAME, mission.goal_of(mission.simulated_world(WORLD, SEED)))
         for victim in ("cloud_filter", "local_mapper", "submap_integrator"):
             self.kill_in_flight(victim)
-        self.kill("lidar_simulator")  # simulated time waits for it, so that nothing need be lost
+        self.kill("lidar_simulator")  # simulated time waits for this node, so the vehicle need not come to rest
         self.arrive()
         self.recorder.send_goal(FRAME, (0.0, 0.0, 2.0))
         for victim in ("submap_optimizer", "voxnav_nodelet_manager"):
@@ -95,7 +95,7 @@ class FlightTest(unittest.TestCase):
         self.assertGreater(self.record.min_clearance_m, 0.5)
 
     def test_interfaces_are_those_of_mrs(self):
-        """Names and types as MRS users know them; md5 sums have a test of their own."""
+        """Topics and services have the names and types of the MRS system; md5 sums have a test of their own."""
         self.recorder.wait_for_nodes(LIMIT_S)
         topics = dict(rosgraph.Master("/flight_test").getTopicTypes())
         for topic, kind in MRS_TOPICS.items():

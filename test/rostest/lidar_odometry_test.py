@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""LiDAR odometry over ROS: a body moves through a room; then the LiDAR fails, the clock falls back, and it is reset."""
+"""The LiDAR odometry node tracks a body in a room, and survives bad scans, a clock that jumps back, and resets."""
 
 import sys
 import time
@@ -16,22 +16,15 @@ from sensor_msgs.msg import Imu, PointCloud2, PointField
 from std_srvs.srv import Empty, Trigger
 from tf2_msgs.msg import TFMessage
 
+from node_testing import wait_for
 from voxnav.msg import NodeDiagnostics, OdometryQuality, Progress
 
-TIMEOUT_S = 20.0
 ROOM_M = np.array([8.0, 6.0, 2.5])
 LIDAR_HEIGHT_M = 0.3
 
 
-def wait_for(condition):
-    end = time.time() + TIMEOUT_S
-    while not condition() and time.time() < end:
-        time.sleep(0.01)
-    return condition()
-
-
 def room_points(seed, body, count=8000):
-    """Random points on the walls of a room, seen by the LiDAR above the body (all axes aligned)."""
+    """Returns random points on the walls of a room in the frame of the LiDAR, which is above the body."""
     rng = np.random.RandomState(seed)
     points = rng.uniform(-1, 1, (count, 3)) * ROOM_M
     axis, rows = rng.randint(0, 3, count), np.arange(count)
@@ -76,7 +69,7 @@ class LidarOdometryTest(unittest.TestCase):
             self.imu.publish(msg)
 
     def send(self, msg, is_taken=True):
-        """Publish and wait until the node has dealt with it, and its answers have come."""
+        """Publishes a cloud and waits for the progress of the node, and if it is used for odometry and quality."""
         done = len(self.progress)
         self.points.publish(msg)
         self.assertTrue(wait_for(lambda: len(self.progress) > done), "no progress after a cloud")
@@ -95,7 +88,7 @@ class LidarOdometryTest(unittest.TestCase):
             self.send(cloud_msg(room_points(i, np.array([0.05 * i, 0.0, 0.0])), stamp_s))
 
     def find_mount(self, from_s):
-        """Clouds from the place where the flight begins, until the mounting has reached the node."""
+        """Publishes clouds from the place where the flight begins until the mount has reached the node."""
         self.send_imu(from_s - 0.1, from_s - 0.006)
         for i in range(80):
             stamp_s = from_s + 0.01 * i
@@ -116,11 +109,11 @@ class LidarOdometryTest(unittest.TestCase):
         return np.array([p.x, p.y, p.z])
 
     def test_a_flight_with_troubles(self):
-        # 1. Nothing is said of a pose before the LiDAR's place on the body is known.
+        # 1. The node publishes no pose before the mount of the LiDAR is known.
         self.send(cloud_msg(room_points(99, np.zeros(3)), 99.0), is_taken=False)
         self.assertTrue(self.said("the LiDAR's mounting is unknown"))
 
-        # 2. It tracks the body, not the LiDAR, and publishes a tree that hangs from the body.
+        # 2. The node tracks the body rather than the LiDAR, and publishes its origin as a child of the body in tf.
         self.send_mount()
         self.find_mount(99.1)
         self.fly(0, 12, 100.0)
@@ -136,7 +129,7 @@ class LidarOdometryTest(unittest.TestCase):
         self.assertNotIn("uav1/fcu", [t.child_frame_id for t in self.tf])
         tracked_covariance = self.odom[-1].pose.covariance[0]
 
-        # 3. Empty, all-NaN and foreign scans: it coasts, says why, and does not jump.
+        # 3. Through scans that are empty, all NaN or of another place, odometry coasts with a reason and does not jump.
         rng = np.random.RandomState(5)
         bad = [np.zeros((0, 3), np.float32), np.full((5000, 3), np.nan, np.float32),
                rng.uniform(-50, 50, (8000, 3)).astype(np.float32)]
@@ -148,7 +141,7 @@ class LidarOdometryTest(unittest.TestCase):
         np.testing.assert_allclose(self.position(), [0.70, 0.0, 0.0], atol=0.15)
         self.assertGreater(self.odom[-1].pose.covariance[0], 2 * tracked_covariance)
 
-        # 4. Wrong field types and frames are refused by name.
+        # 4. Clouds with wrong field types or frames are refused, and the field or frame is named.
         had = len(self.odom)
         wrong = cloud_msg(room_points(1, np.zeros(3)), 101.45)
         wrong.fields[0].datatype = PointField.INT32
@@ -157,13 +150,13 @@ class LidarOdometryTest(unittest.TestCase):
         self.send(cloud_msg(room_points(1, np.zeros(3)), 101.46, "uav1/other"), is_taken=False)
         self.assertTrue(self.said("is in frame 'uav1/other'"))
 
-        # 5. Back in the room it finds its place again; what was refused gave no odometry before that.
+        # 5. With scans of the room odometry tracks again; the refused clouds have given no odometry.
         self.fly(15, 20, 100.0)
         self.assertEqual(len(self.odom), had + 5)
         self.assertEqual(self.quality[-1].state, OdometryQuality.TRACKING, self.quality[-1].reason)
         np.testing.assert_allclose(self.position(), [0.95, 0.0, 0.0], atol=0.05)
 
-        # 6. A clock that falls back changes the time, not the place, once a third cloud confirms it.
+        # 6. A clock that jumps back, once a third cloud confirms it, changes the stamps but not the pose.
         had = len(self.odom)
         self.send_imu(19.6, 20.005)
         for stamp_s in (19.8, 19.9):
@@ -174,7 +167,7 @@ class LidarOdometryTest(unittest.TestCase):
         np.testing.assert_allclose(self.position(), [0.95, 0.0, 0.0], atol=0.1)
         self.assertAlmostEqual(self.odom[-1].header.stamp.to_sec(), 20.0, places=6)
 
-        # 7. Reset by both services.
+        # 7. Both services for a reset work.
         self.assertTrue(rospy.ServiceProxy("lidar_odometry/reset", Trigger)().success)
         rospy.ServiceProxy("lidar_odometry/reset_odom", Empty)()
         self.send_imu(20.1, 20.305)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The LiDAR simulator over ROS: true poses in, the clouds that the same world and sensor give without ROS out."""
+"""The LiDAR simulator node makes of true poses the same clouds as the simulator without ROS."""
 
 import sys
 import time
@@ -23,7 +23,7 @@ TIMEOUT_S = 30.0
 
 
 class Received:
-    """Everything that came on one topic."""
+    """Collects the messages of one topic."""
 
     def __init__(self, topic, kind):
         self.messages = []

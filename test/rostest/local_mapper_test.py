@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The local mapper over ROS: map updates and handovers out of clouds and tf, and bad input answered."""
+"""The local mapper node makes map updates and handovers from clouds and tf, and answers bad input with a reason."""
 
 import os
 import sys
 import tempfile
-import time
 import unittest
 
 import numpy as np
@@ -14,42 +13,24 @@ import rostest
 from geometry_msgs.msg import TransformStamped
 from mrs_msgs.srv import String
 from octomap_msgs.msg import Octomap
-from sensor_msgs.msg import PointCloud2, PointField
+from sensor_msgs.msg import PointCloud2
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
+from node_testing import cloud_message, wait_for
 import voxnav
 from voxnav.msg import GridUpdate, Handover, NodeDiagnostics, Progress
 from voxnav.srv import GetGrid
 
-TIMEOUT_S = 20.0
 POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("intensity", "<f4"), ("t", "<u4")])
-TYPES = {"<f4": PointField.FLOAT32, "<u4": PointField.UINT32}
-
-
-def wait_for(condition):
-    end = time.time() + TIMEOUT_S
-    while not condition() and time.time() < end:
-        time.sleep(0.02)
-    return condition()
 
 
 def wall():
-    """A wall 5.1 m ahead of the sensor."""
+    """Returns points on a wall 5.1 m ahead of the sensor."""
     y, z = np.meshgrid(np.arange(-2.0, 2.0, 0.05), np.arange(-1.0, 1.0, 0.05))
     points = np.zeros(y.size, POINT)
     points["x"], points["y"], points["z"] = 5.1, y.ravel(), z.ravel()
     return points
-
-
-def to_msg(points, stamp_s):
-    msg = PointCloud2(height=1, width=len(points), point_step=points.dtype.itemsize, is_dense=True)
-    msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(stamp_s), "uav1/os_sensor"
-    msg.row_step, msg.data = msg.point_step * msg.width, points.tobytes()
-    for name in points.dtype.names:
-        field_type, offset = points.dtype.fields[name]
-        msg.fields.append(PointField(name, offset, TYPES[field_type.str], 1))
-    return msg
 
 
 def transform(parent, child, stamp_s, x):
@@ -60,7 +41,7 @@ def transform(parent, child, stamp_s, x):
 
 
 def mirror(updates):
-    """The grid that a listener builds from all messages."""
+    """Returns the grid that a listener builds from all updates."""
     blocks = {}
     for update in updates:
         if update.is_snapshot:
@@ -102,7 +83,7 @@ class LocalMapperTest(unittest.TestCase):
     def scan_at(self, stamp_s, x=0.0, points=None):
         self.send_tf(stamp_s - 0.02, x)
         self.send_tf(stamp_s + 0.02, x)
-        self.publish(to_msg(wall() if points is None else points, stamp_s))
+        self.publish(cloud_message(wall() if points is None else points, stamp_s))
 
     def publish(self, msg):
         done = len(self.progress)
@@ -141,12 +122,12 @@ class LocalMapperTest(unittest.TestCase):
         self.assertEqual(len(handover.pose_stamps), len(handover.T_S_B))
 
     def test_a_scan_without_tf_is_dropped_and_said_so(self):
-        self.publish(to_msg(wall(), self.move_time(5.0)))
+        self.publish(cloud_message(wall(), self.move_time(5.0)))
         self.expect_message("no pose within")
         self.scan()
 
     def test_bad_clouds_are_dropped_and_said_so(self):
-        msg = to_msg(wall(), self.move_time(0.1))
+        msg = cloud_message(wall(), self.move_time(0.1))
         msg.data = msg.data[:-5]
         self.publish(msg)
         self.expect_message("scan dropped")
@@ -164,7 +145,7 @@ class LocalMapperTest(unittest.TestCase):
         self.scan(x=0.0)
 
     def counter(self, name):
-        """Of the last diagnostics, or None."""
+        """Returns a counter of the last diagnostics, or None."""
         last = self.diagnostics[-1] if self.diagnostics else NodeDiagnostics()
         return dict(zip(last.counter_names, last.counter_values)).get(name)
 
@@ -172,21 +153,21 @@ class LocalMapperTest(unittest.TestCase):
         return sum(handover.reason == "odometry" for handover in self.handovers)
 
     def test_late_clouds_are_dropped_and_only_a_lasting_jump_back_clears(self):
-        for _ in range(16):  # the late clouds find their poses between those of these
+        for _ in range(16):  # these scans also publish the poses for the late clouds below
             self.scan()
         had, now = self.num_closed_by_odometry(), self.now
-        for late_s in (now, now - 0.15, now - 1.4):  # the same again, a little late, very late
-            self.publish(to_msg(wall(), late_s))
+        for late_s in (now, now - 0.15, now - 1.4):  # repeated, a little late, and very late
+            self.publish(cloud_message(wall(), late_s))
             self.scan()
         self.expect_message("its stamp is not newer")
         self.assertTrue(wait_for(lambda: self.counter("scans_late") == 3))
         self.assertNotEqual(mirror([rospy.ServiceProxy("local_mapper/get_map_in", GetGrid)().grid]), {})
         self.assertEqual(self.num_closed_by_odometry(), had)
         for i in range(4):
-            self.publish(to_msg(wall(), now - 1.4 + 0.1 * i))
+            self.publish(cloud_message(wall(), now - 1.4 + 0.1 * i))
         self.expect_message("time jumped back")
         self.assertTrue(wait_for(lambda: self.num_closed_by_odometry() == had + 1))
-        self.scan()  # back on the clock that the other tests use
+        self.scan()  # goes back to the clock of the other tests
 
     def test_save_load_and_reset(self):
         for _ in range(4):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The planning_manager node over ROS, between a fake MRS system and a fake local map."""
+"""The planning_manager node flies with a fake MRS system and a fake local map, and reacts to their faults."""
 
 import sys
 import threading
@@ -25,12 +25,12 @@ from voxnav.srv import GetGrid, GetGridResponse
 
 UAV = "/uav1/"
 O, W = "uav1/odom", "uav1/voxnav_map"
-SHIFT = np.array([10.0, 0.0, 0.0])  # of O in W
+SHIFT = np.array([10.0, 0.0, 0.0])  # position of the origin of O in W
 SPEED = 2.0
 
 
 class FakeUav:
-    """Flies trajectories exactly, with the topics and services of MRS; publishes a known free box as local map."""
+    """A vehicle with the topics and services of MRS that flies trajectories exactly, and a free box as local map."""
 
     def __init__(self):
         self.lock = threading.RLock()
@@ -38,7 +38,7 @@ class FakeUav:
         self.map_is_alive, self.generator_works = True, threading.Event()
         self.generator_works.set()
         self.num_hovers, self.sequence = 0, 0
-        self.frame, self.paths = O, []  # of the vehicle; asked of the generator
+        self.frame, self.paths = O, []  # the frame of the vehicle, and the paths that the generator was asked for
         self.grid = voxnav.StateGrid.from_array(np.ones((100, 60, 25), dtype=np.int8), (-8.0, -12.0, 0.0), 0.4)
         pub = rospy.Publisher
         self.odometry = pub(UAV + "estimation_manager/odom_main", Odometry, queue_size=5)
@@ -86,7 +86,7 @@ class FakeUav:
                 with self.lock:
                     self.publish(rospy.Time.now(), count)
             except rospy.ROSException:
-                return  # shutting down
+                return  # ROS is shutting down
 
     def publish(self, now, count):
         before, self.position = self.position, self.position_at(now.to_sec())
@@ -228,10 +228,10 @@ class PlanningManagerTest(unittest.TestCase):
         self.assert_at((2.0, 0.0, 3.0))
 
     def test_5b_a_path_without_a_heading_leaves_the_heading_free(self):
-        """With relax_heading false the MRS generator turns to the heading 0 of every waypoint."""
+        """A goal without a heading sets relax_heading, because MRS would turn to the heading 0 of every waypoint."""
         del self.uav.paths[:]
         publisher = rospy.Publisher(UAV + "planning_manager/goal", PoseStamped, queue_size=1, latch=True)
-        goal = PoseStamped()  # without an orientation
+        goal = PoseStamped()  # its quaternion is zero, which stands for no orientation
         goal.header.frame_id = W
         goal.pose.position.x, goal.pose.position.y, goal.pose.position.z = 6.0, 2.0, 3.0
         publisher.publish(goal)

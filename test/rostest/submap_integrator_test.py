@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The submap integrator over ROS: handovers and poses in, submaps and obstacles out."""
+"""The submap integrator node makes submaps and obstacles of handovers and poses, and refuses bad input."""
 
 import os
 import sys
@@ -16,6 +16,7 @@ from mrs_msgs.srv import String
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
+from node_testing import wait_for
 import voxnav
 from voxnav.msg import (FinishedSubmap, GridUpdate, Handover, NodeDiagnostics, Progress, SceneChange, SceneChanges,
                         SubmapPoses)
@@ -25,15 +26,8 @@ TIMEOUT_S = 30.0
 VOXEL = 0.4
 
 
-def wait_for(condition):
-    end = time.time() + TIMEOUT_S
-    while not condition() and time.time() < end:
-        time.sleep(0.05)
-    return condition()
-
-
 class Received:
-    """Everything that came on one topic."""
+    """Collects the messages of one topic."""
 
     def __init__(self, topic, kind):
         self.messages = []
@@ -59,7 +53,7 @@ class Received:
 
 
 def content(box=True, left=0):
-    """Ground, and a box on it. `left`: only columns from this one on."""
+    """Returns the content of a map of the ground with or without a box; its first `left` columns are unknown."""
     states = np.ones((40, 40, 16), np.int8)
     states[:, :, 0] = 2
     if box:
@@ -90,7 +84,7 @@ def handover(submap_id, data, is_final=True, stamp=10.0):
 
 
 class Scene:
-    """What a viewer shows after the markers that came."""
+    """The markers that rviz shows after all messages."""
 
     def __init__(self, messages):
         self.markers = {}
@@ -166,20 +160,20 @@ class SubmapIntegratorTest(unittest.TestCase):
         np.testing.assert_array_equal(grid.states(points), (2, 1, 0))
         self.assertIsNotNone(self.progress.wait_for(lambda m: m.stamp == rospy.Time.from_sec(10.0)))
 
-    def test_2_people_see_it(self):
+    def test_2_the_map_is_published_for_rviz(self):
         expected = content().num_occupied
         scene = self.markers.wait_for_scene(lambda s: len(s.points) == expected)
         self.assertIsNotNone(scene)
         self.assertGreater(len(scene.markers), 1)
-        self.assertGreater(len(scene.colors), 3)  # by height
+        self.assertGreater(len(scene.colors), 3)  # colours depend on the height
         self.assertIsNotNone(self.cloud.wait_for(lambda m: m.width > 1000))
         self.assertIsNotNone(self.mesh.wait_for_scene(lambda s: len(s.points) > 1000))
         self.assertIsNotNone(self.slice.wait_for(lambda m: m.width > 500))
         self.assertTrue(all(len(x.points) <= 1200 for m in self.markers.messages for x in m.markers))
 
-    def test_2b_who_comes_late_sees_it_too(self):
+    def test_2b_late_subscribers_receive_the_whole_map(self):
         node, expected = "submap_integrator/", content().num_occupied
-        # A node has one connection per topic: only who has left it can come anew.
+        # Subscribers of one process share a connection per topic, so only one that closes it first counts as late.
         for old in (self.markers, self.mesh, self.cloud, self.slice):
             old.subscriber.unregister()
         markers = self.__class__.markers = Received(node + "occupancy_markers_out", MarkerArray)
@@ -228,7 +222,7 @@ class SubmapIntegratorTest(unittest.TestCase):
         scene = self.markers.wait_for_scene(lambda s: len(s.points) > 0 and s.points[:, 2].max() < 0.6)
         self.assertIsNotNone(scene)
 
-    def test_4_what_was_seen_late_lies_where_the_graph_says(self):
+    def test_4b_bends_are_taken_and_lists_of_wrong_length_refused(self):
         msg = SubmapPoses()
         msg.header.frame_id = "uav1/map"
         msg.submap_ids = [1, 2]
@@ -268,13 +262,13 @@ class SubmapIntegratorTest(unittest.TestCase):
         self.assertNotEqual(self.get_obstacles().grid.states, before.states)
         response = self.load(directory)
         self.assertTrue(response.success, response.message)
-        self.assertTrue(wait_for(lambda: self.get_obstacles().grid.states == before.states))
+        self.assertTrue(wait_for(lambda: self.get_obstacles().grid.states == before.states, TIMEOUT_S))
         self.assertEqual(len(self.get_submaps().submaps), 2)
         refused = self.load(directory + "_absent")
         self.assertFalse(refused.success)
         self.assertIn("cannot be read", refused.message)
 
-    def test_8_what_is_broken_is_left_out_and_the_rest_flies_on(self):
+    def test_8_damaged_submaps_of_a_saved_map_are_left_out_and_the_rest_is_used(self):
         directory = os.path.join(tempfile.mkdtemp(), "map")
         self.assertTrue(self.save(directory).success)
         index = os.path.join(directory, "index.vxi")

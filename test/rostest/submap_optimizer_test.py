@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The submap_optimizer node: restores from the integrator, closes a loop, publishes poses, tf, trajectory, report."""
+"""The submap_optimizer node takes submaps from the integrator, closes a loop, and publishes its results."""
 
 import os
 import sys
@@ -47,7 +47,7 @@ def submap(k):
 
 
 class Latest:
-    """Waits for messages that fulfil a condition."""
+    """Waits for a message that fulfils a condition."""
 
     def __init__(self, topic, kind):
         self._changed, self._messages = threading.Condition(), []
@@ -66,7 +66,7 @@ class Latest:
 
 class SubmapOptimizerTest(unittest.TestCase):
     def test_node(self):
-        # The integrator of a flight in progress: the node, started before or after, gets its submaps once.
+        # An integrator that already has submaps is simulated: the node gets them once, whichever starts first.
         rospy.Service("/uav1/submap_integrator/get_submaps", GetSubmaps,
                       lambda _: GetSubmapsResponse(True, "", [submap(0), submap(1)]))
         poses, report = Latest(NODE + "submap_poses_out", SubmapPoses), Latest(NODE + "report_out", OptimizerReport)

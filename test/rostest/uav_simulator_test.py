@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The UAV simulator over ROS: MRS names and types, a flight, refusals, lock-step."""
+"""The UAV simulator node has the names and types of MRS, flies, refuses bad commands, and keeps time in lock-step."""
 
 import math
 import sys
@@ -82,7 +82,7 @@ class UavSimulatorTest(unittest.TestCase):
                 try:
                     cls.reports.publish(Progress(node="planner", stamp=cls.clock.message.clock))
                 except rospy.ROSException:
-                    return  # shutting down
+                    return  # ROS is shutting down
             time.sleep(0.005)
 
     def position(self):
@@ -140,7 +140,7 @@ class UavSimulatorTest(unittest.TestCase):
         self.assertLess(distance(self.position(), path.points[-1].position), 0.1)
 
     def continue_in_flight(self):
-        """A path from the future starts with the prediction."""
+        """Asks for a path that starts in the future, whose trajectory must begin with the prediction."""
         path = Path()
         path.header.stamp = rospy.Time.now() + rospy.Duration(2.0)
         path.points = [reference(8, 0, 3), reference(8, 8, 3, 1.0)]
@@ -151,7 +151,7 @@ class UavSimulatorTest(unittest.TestCase):
         points = [p.position for p in generated.trajectory.points]
         self.assertAlmostEqual(generated.trajectory.dt, 0.2)
         steps = [distance(a, b) for a, b in zip(points, points[1:])]
-        self.assertLess(max(steps) / 0.2, 4.5)  # no jump where the prediction ends
+        self.assertLess(max(steps) / 0.2, 4.5)  # the speed shows no jump where the prediction ends
         answer = service("control_manager/trajectory_reference", TrajectoryReferenceSrv)(generated.trajectory)
         self.assertTrue(answer.success, answer.message)
 
@@ -192,12 +192,12 @@ class UavSimulatorTest(unittest.TestCase):
         cls = type(self)
         cls.is_reporting = False
         stopped = self.stopped_clock()
-        self.assertTrue(service("control_manager/hover", Trigger)().success)  # answered while time stands still
+        self.assertTrue(service("control_manager/hover", Trigger)().success)  # services work while time stands still
         self.assertEqual(self.clock.message.clock, stopped)
         wait_for(lambda: (self.clock.message.clock - stopped).to_sec() > 0.5, "time to go on without the planner")
 
     def stopped_clock(self):
-        """The simulated time that has been the same for a second of wall time."""
+        """Returns the simulated time once it has not changed for a second of wall time."""
         value, since = self.clock.message.clock, time.time()
         end = since + TIMEOUT_S
         while time.time() < min(end, since + 1.0):
@@ -218,7 +218,7 @@ class UavSimulatorTest(unittest.TestCase):
         subscriber = rospy.Subscriber("hw_api/imu", Imu, lambda imu: stamps.append(imu.header.stamp), queue_size=1000)
         wait_for(lambda: len(stamps) > 400, "IMU messages")
         subscriber.unregister()
-        # Steps, not messages over time: on a loaded machine some may be lost on the way.
+        # Intervals are checked rather than the number of messages, because some may be lost on a loaded machine.
         steps_s = sorted((later - earlier).to_sec() for earlier, later in zip(stamps, stamps[1:]))
         self.assertAlmostEqual(steps_s[0], 0.005, places=6)
         self.assertAlmostEqual(steps_s[len(steps_s) // 2], 0.005, places=6)

@@ -9,7 +9,7 @@
 
 namespace voxnav::test {
 
-/// Sets all voxels between two corners, both included.
+/// Sets the state of all voxels between two corners, both included.
 inline void fill(containers::StateGrid* grid, const geometry::Index3& low, const geometry::Index3& high,
                  containers::VoxelState state) {
   for (int z = low.z; z <= high.z; ++z) {
@@ -19,7 +19,7 @@ inline void fill(containers::StateGrid* grid, const geometry::Index3& low, const
   }
 }
 
-/// Free box of voxels in unknown space.
+/// Returns a grid with a free box of voxels in unknown space.
 inline std::shared_ptr<containers::StateGrid> box_grid(const geometry::Index3& low, const geometry::Index3& high,
                                                        double resolution_m = 1.0) {
   auto grid = std::make_shared<containers::StateGrid>(resolution_m);

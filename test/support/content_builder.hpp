@@ -9,23 +9,24 @@
 
 #include "voxnav/occupancy/map_content.hpp"
 
-/// Map contents with known truth, for tests of what is made from them.
+/// Contents of maps whose truth is known, for tests of submaps.
 namespace voxnav::test {
 
-/// Builds a content voxel by voxel; later writes win.
+/// Builds a content voxel by voxel. A later call for the same voxel replaces an earlier one.
 class ContentBuilder {
  public:
   explicit ContentBuilder(double resolution_m) : resolution_m_(resolution_m) {}
 
   void set_free(const geometry::Index3& voxel) { put(voxel, containers::VoxelState::kFree, geometry::Vec3::Zero(), 1); }
-  /// @param offset surface point from the voxel centre in voxel edges, +-0.5
+  /// Sets an occupied voxel that the submap observed.
+  /// @param offset surface point relative to the voxel's centre in voxel edges, each coordinate within +-0.5
   void set_occupied(const geometry::Index3& voxel, const geometry::Vec3& offset = geometry::Vec3::Zero(),
                     int hits = 10) {
     put(voxel, containers::VoxelState::kOccupied, offset, hits);
   }
-  /// A voxel that is only remembered.
+  /// Makes an occupied voxel one that is only remembered.
   void set_remembered(const geometry::Index3& voxel) { voxels_.at(voxel).voxel.observed.hits = 0; }
-  /// An occupied voxel that was only remembered, as far as registration is concerned, or seen elsewhere by the submap.
+  /// Sets the surface point that the submap itself observed in an occupied voxel; 0 hits: it is only remembered.
   void set_observed(const geometry::Index3& voxel, const geometry::Vec3& offset, int hits) {
     occupancy::VoxelPoint& observed = voxels_.at(voxel).voxel.observed;
     for (int k = 0; k < 3; ++k) observed.mean[k] = static_cast<std::int8_t>(std::lround(offset[k] * 254.0));
@@ -84,8 +85,8 @@ inline geometry::Vec3 sdf_gradient(const Sdf& sdf, const geometry::Vec3& p) {
   return out;
 }
 
-/// What a perfect LiDAR would leave in the octree: voxels that the surface passes near their centre are occupied with
-/// the nearest surface point as mean, voxels outside are free, voxels inside stay unknown. Voxels first..last-1.
+/// Returns the content of the voxels first to last - 1 that a perfect LiDAR would make: voxels whose centre is near the
+/// surface are occupied with the nearest surface point as mean, voxels outside of it are free, those inside unknown.
 inline occupancy::MapContent content_from_sdf(const Sdf& sdf, const geometry::Index3& first,
                                               const geometry::Index3& last, double resolution_m) {
   ContentBuilder builder(resolution_m);
@@ -106,7 +107,7 @@ inline occupancy::MapContent content_from_sdf(const Sdf& sdf, const geometry::In
   return builder.build();
 }
 
-/// Random states; occupied voxels with random surface points.
+/// Returns a content with random states, whose occupied voxels have random surface points.
 inline occupancy::MapContent random_content(unsigned seed, int side, double occupied_ratio, double unknown_ratio,
                                             double resolution_m) {
   std::mt19937 rng(seed);

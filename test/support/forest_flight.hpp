@@ -10,13 +10,13 @@
 
 namespace voxnav::test {
 
-/// An endless forest on flat ground: one tree per cell of 6 m, every other one with a crown.
+/// An endless forest on flat ground with one tree per square of 6 m, every other one with a crown.
 class Forest {
  public:
   struct Tree {
     geometry::Vec3 foot;
     double radius;
-    double crown_radius;  ///< 0 = bare
+    double crown_radius;  ///< 0 = no crown
   };
 
   static Tree tree_at(int cx, int cy) {
@@ -38,7 +38,7 @@ class Forest {
     }
     return out;
   }
-  /// Range along a unit direction; 0 = nothing within max_range_m.
+  /// Returns the range along a unit direction, or 0 if nothing is within max_range_m.
   static double range(const geometry::Vec3& from, const geometry::Vec3& direction, const std::vector<Tree>& trees,
                       double max_range_m) {
     double range = direction.z() < 0.0 ? -from.z() / direction.z() : 1e9;
@@ -64,7 +64,7 @@ class Forest {
   static constexpr double kCell = 6.0;
 };
 
-/// x y z rows of one sweep of 128 beams over 90 degrees, sensor frame.
+/// Returns one sweep of 128 beams over 90 degrees as rows of x, y, z in the sensor frame.
 inline std::vector<float> forest_scan(const geometry::Vec3& from, double yaw, int columns = 512,
                                       double noise_m = 0.02) {
   const std::vector<Forest::Tree> trees = Forest::trees_near(from, 60.0);
@@ -99,7 +99,7 @@ struct FlownSubmap {
   occupancy::MapContent content;
 };
 
-/// What a local map hands over on a flight of 11 m per submap, first east and then back beside the way it came.
+/// Returns the submaps of a flight that goes east and comes back beside its own path, 11 m for each submap.
 inline std::vector<FlownSubmap> forest_flight(int num_submaps, double resolution_m = 0.4) {
   occupancy::LocalMapConfig config;
   config.resolution_m = resolution_m;

@@ -10,14 +10,16 @@
 
 #include "voxnav/geometry/distance_field.hpp"
 
-/// Analytic worlds and the submaps one would make of them, for tests that must not depend on how submaps are made.
+/// Analytic worlds and distance fields of them, for tests of registration that must not depend on the making of
+/// submaps.
 namespace voxnav::test_support {
 
 using geometry::Pose;
 using geometry::SurfacePoint;
 using geometry::Vec3;
 
-/// A distance function sampled on a grid and interpolated trilinearly, as submaps do; unobserved outside its box.
+/// A distance function that is sampled on a grid and interpolated trilinearly, as in submaps. It is unobserved outside
+/// its box.
 class GridField final : public geometry::DistanceField {
  public:
   GridField(const geometry::Aabb& box, double resolution_m, const std::function<double(const Vec3&)>& distance,
@@ -98,7 +100,7 @@ struct ForestWorld {
   }
 };
 
-/// `per_hectare` trunks in a square of half width `half_m`; the same seed gives the same forest.
+/// Returns `per_hectare` trunks in a square of half width `half_m`. The same seed gives the same forest.
 inline ForestWorld make_forest(double half_m, double per_hectare, unsigned seed) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<double> position(-half_m, half_m);
@@ -121,7 +123,7 @@ struct View {
   unsigned seed = 1;
 };
 
-/// Surface points of the world within range of the submap's origin, frame S.
+/// Returns surface points of the world within range of the submap's origin, in frame S.
 inline std::vector<SurfacePoint> observe(const ForestWorld& world, const Pose& T_W_S, const View& view) {
   std::mt19937 rng(view.seed);
   std::normal_distribution<double> noise(0.0, view.noise_m);
@@ -150,9 +152,9 @@ inline std::vector<SurfacePoint> observe(const ForestWorld& world, const Pose& T
   return out;
 }
 
-/// The submap one would make of the world at a pose.
+/// Returns the distance field of a submap of the world at a pose.
 inline std::shared_ptr<GridField> make_submap(const ForestWorld& world, const Pose& T_W_S, const View& view) {
-  ForestWorld near;  // trunks out of reach would only cost time
+  ForestWorld near;  // without the trunks out of reach, which would only cost time
   near.hill_m = world.hill_m;
   for (const Trunk& t : world.trunks) {
     if ((Vec3(t.x_m, t.y_m, 0) - T_W_S.translation()).head<2>().norm() < 1.5 * view.range_m + 4.0)

@@ -5,8 +5,8 @@
 
 namespace voxnav::test {
 
-/// Runs a test once with the instructions that every processor has, and once with all that this one has, if it has
-/// more. Kernels may use all of them again afterwards.
+/// Runs a test once with the instructions that every processor of this architecture has, and if this processor has
+/// more, once with all of its own. Afterwards kernels may use all of them again.
 template <class Test>
 void with_every_instruction_set(Test&& test) {
   kernels::use_wide(false);

@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Nothing: a target needs a source, and this one exists for its precompiled headers.
+// This file is empty because its target exists only for its precompiled headers, and a target needs a source.

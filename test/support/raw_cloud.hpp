@@ -9,7 +9,7 @@
 
 namespace voxnav::test {
 
-/// A cloud as bytes, filled field by field.
+/// A cloud as raw bytes with a layout, whose values are set field by field.
 struct RawCloud {
   cloud::CloudLayout layout;
   std::vector<std::uint8_t> bytes;
@@ -42,7 +42,7 @@ inline std::vector<cloud::CloudField> xyzi_fields() {
           {"intensity", 12, FieldType::kFloat32, 1}};
 }
 
-/// Organised cloud of points one metre apart from 2 m on, intensity 100.
+/// Returns an organised cloud of points with intensity 100, whose x goes from 2 m to 51 m in steps of 1 m and repeats.
 inline RawCloud xyzi_cloud(std::uint32_t height, std::uint32_t width) {
   RawCloud cloud(height, width, 16, xyzi_fields());
   for (std::size_t i = 0; i < cloud.layout.num_points(); ++i) {
@@ -52,7 +52,7 @@ inline RawCloud xyzi_cloud(std::uint32_t height, std::uint32_t width) {
   return cloud;
 }
 
-/// The packed 29 bytes of the MRS Gazebo plugin: nothing after x y z is aligned to its size.
+/// Returns the fields of the MRS Gazebo plugin, packed in 29 bytes: no field after x, y and z is aligned to its size.
 inline std::vector<cloud::CloudField> gazebo_fields() {
   using cloud::FieldType;
   std::vector<cloud::CloudField> fields = xyzi_fields();
@@ -64,7 +64,7 @@ inline std::vector<cloud::CloudField> gazebo_fields() {
   return fields;
 }
 
-/// The 48 bytes of the Ouster driver: x y z padded to 16 bytes.
+/// Returns the fields of the Ouster driver in 48 bytes, with x, y and z padded to 16 bytes.
 inline std::vector<cloud::CloudField> ouster_fields() {
   using cloud::FieldType;
   return {{"x", 0, FieldType::kFloat32, 1},    {"y", 4, FieldType::kFloat32, 1},

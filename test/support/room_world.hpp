@@ -10,7 +10,8 @@
 
 namespace voxnav::test {
 
-/// A room seen from inside with boxes standing in it: ranges are exact, so poses can be judged to millimetres.
+/// A room with boxes in it, seen from inside. Its ranges are exact, so that errors of poses can be measured to
+/// millimetres.
 struct RoomWorld {
   geometry::Aabb room;
   std::vector<geometry::Aabb> boxes;
@@ -23,7 +24,7 @@ struct RoomWorld {
                {geometry::Vec3(2, -6, -1.5), geometry::Vec3(2.6, -5.4, 5)}};
     return w;
   }
-  /// Endless along x.
+  /// Returns a corridor that is so long that its ends along x are never seen.
   static RoomWorld corridor() {
     RoomWorld w;
     w.room = {geometry::Vec3(-1e5, -2, -1.2), geometry::Vec3(1e5, 2, 2)};
@@ -64,7 +65,7 @@ struct RoomSweep {
   std::vector<float> times_s;
 };
 
-/// One sweep of a spinning LiDAR (32 beams, 360 columns, 0.1 s) whose pose in the world is a function of time.
+/// Returns one sweep of a spinning LiDAR (32 beams, 360 columns, 0.1 s) whose pose in the world is a function of time.
 inline RoomSweep sweep_of(const RoomWorld& world, const std::function<geometry::Pose(double)>& T_W_L, double start_s,
                           double noise_m, std::uint32_t seed, double max_range_m = 60.0) {
   constexpr int kBeams = 32, kColumns = 360;

@@ -14,7 +14,7 @@ inline geometry::Pose at(double x, double y, double z) {
   return pose;
 }
 
-/// Inserts points of frame W as seen from `origin`.
+/// Inserts points given in frame W as a scan of a sensor at `origin`.
 inline occupancy::InsertStatistics insert_from(occupancy::LocalMap* map, const geometry::Vec3& origin,
                                                const std::vector<geometry::Vec3>& points_W) {
   std::vector<float> points;

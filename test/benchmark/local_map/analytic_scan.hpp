@@ -8,7 +8,7 @@
 
 #include "voxnav/geometry/pose.hpp"
 
-/// One 128 x 1024 scan of an analytic forest: ground and trunks.
+/// A scan of 128 x 1024 points of an analytic forest, which has ground and trunks.
 namespace voxnav::benchmark {
 
 struct Trunk {
@@ -27,7 +27,7 @@ inline std::vector<Trunk> trunks() {
   return out;
 }
 
-/// Range along a unit direction from 2 m above the ground; 0 = nothing within 60 m.
+/// Returns the range along a unit direction from 2 m above the ground, or 0 if nothing is within 60 m.
 inline double range_of(const geometry::Vec3& direction, const std::vector<Trunk>& forest) {
   double range = direction.z() < 0.0 ? -2.0 / direction.z() : 1e9;
   const double a = direction.x() * direction.x() + direction.y() * direction.y();
@@ -41,7 +41,7 @@ inline double range_of(const geometry::Vec3& direction, const std::vector<Trunk>
   return range < 60.0 ? range : 0.0;
 }
 
-/// x y z of each return, frame L.
+/// Returns x, y, z of each return in frame L.
 inline const std::vector<float>& scan() {
   static const std::vector<float> points = [] {
     std::vector<float> out;
@@ -62,7 +62,7 @@ inline const std::vector<float>& scan() {
   return points;
 }
 
-/// A slow flight, so that the map is neither empty nor always the same.
+/// Returns the positions of a slow flight, so that the map is neither empty nor always the same.
 inline geometry::Vec3 position(std::int64_t i) { return {0.1 * static_cast<double>(i % 50), 0.0, 2.0}; }
 
 }  // namespace voxnav::benchmark

@@ -25,7 +25,7 @@ double room_at(const Scene& scene, double x, double y) {
   return scene.clearance({x, y, ground + kHeight_m}, 1.5) - 0.01 * std::abs(y);
 }
 
-/// Straight ahead, giving way to trunks sideways.
+/// Returns a path straight ahead that avoids trunks sideways.
 std::vector<Pose> path_through(const Scene& scene, int num_scans) {
   std::vector<Pose> out;
   double y = 0.0;

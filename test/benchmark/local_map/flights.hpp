@@ -10,25 +10,26 @@
 
 namespace voxnav::benchmark {
 
-/// One scan with what it should have measured.
+/// A scan with the points that it would have measured without noise.
 struct FlightScan {
   geometry::Pose T_W_L;
-  std::vector<float> points;                   ///< x y z per return, sensor frame
-  std::vector<geometry::Vec3f> true_points_W;  ///< of the same returns without noise; empty for recordings
+  std::vector<float> points;                   ///< x, y, z of each return in the sensor frame
+  std::vector<geometry::Vec3f> true_points_W;  ///< points of the same returns without noise; empty for recordings
   std::vector<std::uint8_t> classes;           ///< voxnav_simulation::SurfaceClass of each return
 };
 
-/// A sensor on its way at 3 m/s and 10 Hz; each scan is measured from one place, so that nothing needs deskewing.
+/// The scans of a sensor that moves at 3 m/s and measures at 10 Hz. Each scan is measured from one pose, so that none
+/// needs deskewing.
 struct Flight {
   std::string name;
   std::vector<FlightScan> scans;
 };
 
-/// OS0-128 between the trees of a simulated forest, without returns from the UAV itself and ghosts, which the cloud
-/// filter removes.
+/// Returns the scans of an OS0-128 between the trees of a simulated forest. Returns from the UAV itself and ghosts are
+/// left out, because the cloud filter removes them in flight.
 Flight fly_forest(const voxnav_simulation::Scene& scene, std::uint64_t seed, int num_scans);
 
-/// A folder with scans/%06d.bin and TUM poses. Empty when there is none.
+/// Reads a folder with scans/%06d.bin and poses in TUM format. The flight is empty if the folder does not exist.
 Flight read_recording(const std::string& dir, const std::string& poses_file, int num_scans);
 
 }  // namespace voxnav::benchmark

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Insertion time and faithfulness of LocalMap and OctoMap on the same scans, one after the other, as rows of a Markdown
-// table.
+// Measures the insertion time and the accuracy of LocalMap and OctoMap on the same scans, one map after the other, and
+// prints them as rows of a Markdown table.
 //   benchmark_local_map_table [--seeds=1,2,3] [--scans=60,24,8] [--without-octomap] [--points=DIR]
-// With --points it also leaves what the maps of 0.4 m of the last seed hold, for scripts/dev/plot_local_map.
+// With --points it also writes the points of the maps of 0.4 m of the last seed, for scripts/dev/plot_local_map.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -20,13 +20,13 @@ using namespace voxnav::benchmark;  // NOLINT: benchmark
 
 namespace {
 
-constexpr int kLeastScans = 5;  ///< a surface that was seen less often is nobody's fault
+constexpr int kLeastScans = 5;  ///< surfaces that were seen less often are not judged
 
 struct Options {
   std::vector<int> seeds{1, 2, 3};
-  std::vector<int> scans{60, 24, 8};  ///< per resolution: OctoMap needs seconds for each of the finest
+  std::vector<int> scans{60, 24, 8};  ///< per resolution, few at the finest, where OctoMap needs seconds for each
   bool with_octomap = true;
-  std::string points_dir;  ///< empty: none
+  std::string points_dir;  ///< empty: no points are written
 };
 
 struct Setup {
@@ -73,7 +73,8 @@ double share(std::vector<double> v, double quantile) {
   return v.empty() ? 0.0 : v[static_cast<std::size_t>(quantile * static_cast<double>(v.size() - 1) + 0.5)];
 }
 
-/// One map after the other: what OctoMap leaves to the allocator would be cleaned up at the cost of whoever comes next.
+/// Inserts all scans into one map after the other. If they took turns, the time to free memory of OctoMap would count
+/// against the map that comes next.
 void insert_all(const Flight& flight, std::size_t num_scans, std::vector<Run>* runs) {
   for (Run& run : *runs) {
     for (std::size_t i = 0; i < std::min(num_scans, flight.scans.size()); ++i) {
@@ -108,7 +109,7 @@ void print_speed(const Flight& flight, const Setup& setup, const std::vector<Run
 void print_quality(const Flight& flight, const SurfaceCells& cells, const std::vector<Run>& runs,
                    const voxnav_simulation::Scene& scene) {
   for (const Run& run : runs) {
-    if (&run == &runs[1]) continue;  // the threads' result is the same, as tests assert
+    if (&run == &runs[1]) continue;  // with more threads the map is the same, as tests assert
     const Contestant& map = *run.map;
     const Quality q = cells.judge([&](const auto& p) { return map.probability(p); }, map.free_threshold(), kLeastScans);
     std::printf("| %s | %.1f | %-14s | %6zu | %.3f | %.3f | %.4f | %.3f |", flight.name.c_str(), cells.resolution_m(),
@@ -124,7 +125,7 @@ void print_quality(const Flight& flight, const SurfaceCells& cells, const std::v
 
 void measure_forest(const Options& options, int seed) {
   voxnav_simulation::WorldConfig world;
-  world.num_poles = 40;  // six in the whole forest would be no statistics
+  world.num_poles = 40;  // the default of six poles is too few for statistics
   const voxnav_simulation::Scene scene(voxnav_simulation::World(world, static_cast<std::uint64_t>(seed)));
   const int longest = *std::max_element(options.scans.begin(), options.scans.end());
   const Flight flight = fly_forest(scene, static_cast<std::uint64_t>(seed), longest);

@@ -8,9 +8,9 @@
 
 namespace voxnav::benchmark {
 
-/// What the maps believe and what was there, for scripts/dev/plot_local_map: float32 rows x y z in DIR/NAME.f32, and
-/// x y z class of the true surface points of all scans in DIR/truth.f32.
+/// Writes the occupied points of a map to DIR/NAME.f32 as float32 rows of x, y, z, for scripts/dev/plot_local_map.
 void write_occupied(const std::string& dir, const Contestant& map);
+/// Writes the true surface points of all scans to DIR/truth.f32 as float32 rows of x, y, z and class.
 void write_truth(const std::string& dir, const Flight& flight, std::size_t num_scans);
 
 }  // namespace voxnav::benchmark

@@ -35,7 +35,7 @@ Quality SurfaceCells::judge(const Probability& probability, double free_threshol
 }
 
 double phantom_share(const std::vector<float>& centers, double resolution_m, const voxnav_simulation::Scene& scene) {
-  // A ball around the centre that lies within the neighbouring voxels: stricter than looking for surface in them.
+  // The ball around the centre lies within the neighbouring voxels, so that this is stricter than a search in them.
   const double reach = 1.5 * resolution_m;
   std::size_t phantoms = 0;
   for (std::size_t i = 0; i < centers.size(); i += 3) {

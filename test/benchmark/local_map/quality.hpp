@@ -13,12 +13,12 @@
 
 namespace voxnav::benchmark {
 
-/// How faithfully a map holds the surfaces that were measured.
+/// The accuracy with which a map holds the surfaces that were measured.
 struct Quality {
   struct Share {
     std::size_t cells = 0;
-    std::size_t kept = 0;          ///< p above 0.5
-    std::size_t wrongly_free = 0;  ///< p below the free threshold
+    std::size_t kept = 0;          ///< cells with a probability above 0.5
+    std::size_t wrongly_free = 0;  ///< cells with a probability below the free threshold
     double kept_share() const { return cells == 0 ? 1.0 : static_cast<double>(kept) / static_cast<double>(cells); }
     double free_share() const {
       return cells == 0 ? 0.0 : static_cast<double>(wrongly_free) / static_cast<double>(cells);
@@ -27,18 +27,18 @@ struct Quality {
   Share all;
   std::array<Share, voxnav_simulation::kNumSurfaceClasses> by_class;
   double phantom = 0.0;  ///< share of occupied voxels without surface within one voxel
-  double rms_m = 0.0;    ///< of surface points from the true surface
+  double rms_m = 0.0;    ///< root mean square distance of surface points from the true surface
 };
 
-/// Voxels that hold true surface points, counted over a flight.
+/// The voxels with true surface points, and how often scans of a flight saw each.
 class SurfaceCells {
  public:
   explicit SurfaceCells(double resolution_m) : resolution_m_(resolution_m) {}
   void add(const FlightScan& scan, double max_range_m);
 
-  /// Probability of occupied at a place; none where the map knows nothing.
+  /// Returns the probability that a place is occupied, or nothing where the map knows nothing.
   using Probability = std::function<std::optional<double>(const geometry::Vec3&)>;
-  /// Over all cells that were seen in at least `least_scans` scans.
+  /// Judges a map on all cells that were seen in at least `least_scans` scans.
   Quality judge(const Probability& probability, double free_threshold, int least_scans) const;
   double resolution_m() const { return resolution_m_; }
 
@@ -59,9 +59,10 @@ class SurfaceCells {
   std::unordered_map<geometry::Index3, Cell, Hash> cells_;
 };
 
-/// Share of voxel centres (x y z rows) with no surface within one voxel of theirs.
+/// Returns the share of voxel centres (rows of x, y, z) with no surface within one voxel.
 double phantom_share(const std::vector<float>& centers, double resolution_m, const voxnav_simulation::Scene& scene);
-/// Root mean square distance of points (x y z rows) from the surface; phantoms are left to phantom_share().
+/// Returns the root mean square distance of points (rows of x, y, z) from the surface, without the phantoms that
+/// phantom_share() counts.
 double rms_distance(const std::vector<float>& points, double resolution_m, const voxnav_simulation::Scene& scene);
 
 }  // namespace voxnav::benchmark

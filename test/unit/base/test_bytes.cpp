@@ -38,7 +38,7 @@ TEST(Bytes, ImplausibleCountIsRefused) {
   EXPECT_THROW(reader.get_count(8), std::invalid_argument);
 }
 
-/// Bit by bit, as the checksum is defined.
+/// Computes the checksum bit by bit, as CRC-32 is defined.
 std::uint32_t plain_crc32(const std::string& bytes) {
   std::uint32_t c = 0xFFFFFFFFu;
   for (const char byte : bytes) {

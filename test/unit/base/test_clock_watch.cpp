@@ -12,7 +12,7 @@ using Verdict = voxnav::base::StampVerdict;
 
 constexpr double kHour_s = 3600.0;
 
-/// Both sides watched, as for an IMU.
+/// Returns a watch with limits for jumps ahead and back, as an IMU has.
 ClockWatch strict() { return ClockWatch({from_seconds(1.0), from_seconds(1.0), 3}); }
 
 Verdict add(ClockWatch* watch, double stamp_s) { return watch->add(from_seconds(stamp_s)); }
@@ -36,7 +36,7 @@ TEST(ClockWatch, OneStrayStampChangesNothing) {
   }
 }
 
-TEST(ClockWatch, AFirstStampThatIsWrongIsGivenUp) {
+TEST(ClockWatch, AWrongFirstStampIsReplaced) {
   ClockWatch watch = strict();
   EXPECT_EQ(add(&watch, kHour_s), Verdict::kNext);
   EXPECT_EQ(add(&watch, 100.0), Verdict::kStray);
@@ -60,16 +60,16 @@ TEST(ClockWatch, StrayStampsThatDoNotFollowEachOtherConfirmNothing) {
   ClockWatch watch = strict();
   add(&watch, 100.0);
   EXPECT_EQ(add(&watch, 10.0), Verdict::kStray);
-  EXPECT_EQ(add(&watch, 10.0), Verdict::kStray);  // the same message again
-  EXPECT_EQ(add(&watch, 9.9), Verdict::kStray);   // falling
-  EXPECT_EQ(add(&watch, 20.0), Verdict::kStray);  // far from the one before
+  EXPECT_EQ(add(&watch, 10.0), Verdict::kStray);  // the stamp is repeated
+  EXPECT_EQ(add(&watch, 9.9), Verdict::kStray);   // the stamp falls
+  EXPECT_EQ(add(&watch, 20.0), Verdict::kStray);  // the stamp is far from the one before
   EXPECT_EQ(add(&watch, 20.1), Verdict::kStray);
-  EXPECT_EQ(add(&watch, 100.1), Verdict::kNext);  // the old clock still runs
+  EXPECT_EQ(add(&watch, 100.1), Verdict::kNext);  // the stamp continues the old clock
   EXPECT_EQ(add(&watch, 20.2), Verdict::kStray);
   EXPECT_EQ(add(&watch, 20.3), Verdict::kStray);
 }
 
-TEST(ClockWatch, ASourceSlowerThanTheLimitIsBelievedInThrees) {
+TEST(ClockWatch, EveryThirdStampOfASourceSlowerThanTheLimitIsANewClock) {
   ClockWatch watch = strict();
   add(&watch, 100.0);
   for (const double stamp_s : {105.0, 120.0}) {
@@ -79,7 +79,7 @@ TEST(ClockWatch, ASourceSlowerThanTheLimitIsBelievedInThrees) {
   }
 }
 
-TEST(ClockWatch, WithoutALimitAheadEveryGapIsBelieved) {
+TEST(ClockWatch, WithoutALimitAheadEveryGapIsAccepted) {
   ClockWatch watch({from_seconds(1.0), std::nullopt, 3});
   add(&watch, 100.0);
   EXPECT_EQ(add(&watch, 100.0 + kHour_s), Verdict::kNext);

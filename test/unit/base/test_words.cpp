@@ -50,7 +50,7 @@ struct Painted {
   }
 };
 
-TEST(Words, ConfigurationsSpeakThem) {
+TEST(Words, ConfigurationsReadAndWriteWords) {
   const auto fields = base::describe(Painted{});
   ASSERT_EQ(fields.size(), 1u);
   EXPECT_EQ(std::get<std::string>(fields[0].value), "green");

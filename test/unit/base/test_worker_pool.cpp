@@ -81,7 +81,7 @@ TEST(WorkerPool, SharesCoverEverythingOnceInOrder) {
   }
 }
 
-TEST(SharedItems, AreHandedOutOnceWhoeverAsks) {
+TEST(SharedItems, EveryItemIsHandedOutOnce) {
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{1000}}) {
     WorkerPool pool(4);
     SharedItems items(count, 3);

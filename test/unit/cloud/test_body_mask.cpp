@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kLeg[3] = {0.3F, 0.3F, -0.2F};
 
-/// A leg, a wall behind it at 5 m, and something that passes by once.
+/// Returns a cloud of a leg of the vehicle, a wall at 5 m, and if asked for something that passes near the sensor.
 voxnav::test::RawCloud cloud_of(bool has_passer_by) {
   voxnav::test::RawCloud cloud(1, 4, 48, voxnav::test::ouster_fields());
   cloud.set_xyz(0, kLeg[0], kLeg[1], kLeg[2]);
@@ -34,7 +34,7 @@ BodyMask learnt() {
 
 }  // namespace
 
-TEST(BodyMask, HoldsWhatIsAlwaysThereAndNothingElse) {
+TEST(BodyMask, HoldsDirectionsWithNearReturnsInEveryCloudOnly) {
   const BodyMask mask = learnt();
   EXPECT_TRUE(mask.covers(kLeg[0], kLeg[1], kLeg[2]));
   EXPECT_FALSE(mask.covers(1.5F * kLeg[0], 1.5F * kLeg[1], 1.5F * kLeg[2])) << "behind the leg";
@@ -58,7 +58,7 @@ TEST(BodyMask, FilterCountsItsReturnsAsBody) {
   EXPECT_EQ(filter.apply(cloud_of(false).view()).counts.body, 0u);
 }
 
-TEST(BodyMask, BadUseIsRefused) {
+TEST(BodyMask, WrongUseIsRefused) {
   BodyMaskConfig config;
   config.least_share = 1.5;
   EXPECT_THROW(BodyMaskLearner{config}, voxnav::base::ConfigError);

@@ -48,7 +48,7 @@ TEST(CloudFilter, SortsEachPointByItsReason) {
 TEST(CloudFilter, InfinityIsNotAFarPoint) {
   RawCloud c = test::xyzi_cloud(1, 2);
   c.set_xyz(0, std::numeric_limits<float>::infinity(), 0, 0);
-  c.set_xyz(1, 3e38F, 3e38F, 0);  // finite, although its square is not
+  c.set_xyz(1, 3e38F, 3e38F, 0);  // finite, although the square of its range is not
   const FilterResult r = filtered({}, c);
   EXPECT_EQ(r.counts.nan, 1u);
   EXPECT_EQ(r.counts.far, 1u);
@@ -100,7 +100,7 @@ TEST(CloudFilter, KeepsWeakReturnsBeyondTheGhostRange) {
   EXPECT_EQ(r.counts.kept, 2u);
 }
 
-// Sensors and simulators without intensity report 0 for everything: that must not blind the UAV.
+// Sensors and simulators without intensity report 0 for every point; without an exception all of them would be removed.
 TEST(CloudFilter, ACloudWithoutIntensityLosesNothingToTheGhostFilter) {
   CloudFilterConfig config;
   config.ghost_intensity = 50;
@@ -151,8 +151,8 @@ TEST(CloudFilter, OutlierRemovalDropsLonePointsAndKeepsPoles) {
   RawCloud c = test::xyzi_cloud(8, 32);
   for (std::size_t i = 0; i < 256; ++i) c.set_xyz(i, 0, 0, 0);
   for (std::size_t r = 0; r < 8; ++r)
-    c.set_xyz(r * 32 + 10, 5.0F, 0.0F, 0.1F * static_cast<float>(r));  // one pixel wide
-  c.set_xyz(3 * 32 + 20, 3.0F, 1.0F, 0.0F);                            // a rain drop
+    c.set_xyz(r * 32 + 10, 5.0F, 0.0F, 0.1F * static_cast<float>(r));  // a pole that is one pixel wide
+  c.set_xyz(3 * 32 + 20, 3.0F, 1.0F, 0.0F);                            // a drop of rain
   CloudFilterConfig config;
   config.remove_outliers = true;
   const FilterResult r = filtered(config, c);

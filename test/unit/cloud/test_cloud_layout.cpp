@@ -58,7 +58,7 @@ TEST(CloudLayout, RefusesSizesThatDoNotFit) {
 
 TEST(CloudLayout, RefusesProductsThatOverflow32Bits) {
   RawCloud c(1, 1, 16, test::xyzi_fields());
-  c.layout.width = 1u << 28;  // * 16 bytes = 2^32
+  c.layout.width = 1u << 28;  // times 16 bytes this is 2^32
   EXPECT_NE(problem_of(c), "");
   c.layout.width = 0x10000;
   c.layout.height = 0x10000;
@@ -104,7 +104,7 @@ CloudLayout random_layout(std::mt19937* random) {
   return layout;
 }
 
-// With a sanitizer this catches any read past the end; without, that every point is accounted for.
+// Under the sanitizers this test finds any read beyond the data; without them it checks that every point is counted.
 TEST(CloudLayout, FuzzedLayoutsAreRefusedOrReadInside) {
   std::mt19937 random(7);
   int accepted = 0;

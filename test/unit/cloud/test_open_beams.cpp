@@ -24,7 +24,7 @@ Vec3f beam(int row, int column, double turn) {
                static_cast<float>(std::cos(elevation) * std::sin(azimuth)), static_cast<float>(std::sin(elevation)));
 }
 
-/// range(row, column) in metres, 0 = nothing came back.
+/// Returns a scan with the given range(row, column) in metres, where 0 stands for no return.
 RawCloud scan(const std::function<double(int, int)>& range, double turn = -1.0) {
   RawCloud out(kRows, kColumns, 16, test::xyzi_fields());
   for (int r = 0; r < kRows; ++r) {
@@ -36,7 +36,7 @@ RawCloud scan(const std::function<double(int, int)>& range, double turn = -1.0) 
   return out;
 }
 
-const OpenBeamsConfig kEvery{true, 1, 2, 1, 1};  // margins of one row and two columns, every beam
+const OpenBeamsConfig kEvery{true, 1, 2, 1, 1};  // every open beam with margins of one row and two columns
 
 std::vector<Vec3f> learnt(OpenBeams* beams, const RawCloud& cloud) {
   for (int i = 0; i < 7; ++i) beams->find(cloud.view());
@@ -48,7 +48,7 @@ struct Nearest {
   double error_rad;
 };
 
-/// The beam of the rows up to `last_row` that is nearest to a direction.
+/// Returns the beam of the rows up to `last_row` that is nearest to a direction.
 Nearest nearest_beam(const Vec3f& direction, int last_row, double turn) {
   Nearest best{0, 10.0};
   for (int r = 0; r <= last_row; ++r) {
@@ -62,12 +62,12 @@ Nearest nearest_beam(const Vec3f& direction, int last_row, double turn) {
 
 }  // namespace
 
-TEST(OpenBeams, SkyThatNeverReturnedAnythingIsFoundWhereItIs) {
+TEST(OpenBeams, SkyWithoutAnyReturnIsFoundInItsTrueDirection) {
   for (const double turn : {-1.0, 1.0}) {
     const RawCloud meadow = scan([](int r, int) { return r < 14 ? 0.0 : 8.0; }, turn);
     OpenBeams beams(kEvery);
     const std::vector<Vec3f> open = learnt(&beams, meadow);
-    ASSERT_EQ(open.size(), 13u * kColumns);  // row 13 borders on returns
+    ASSERT_EQ(open.size(), 13u * kColumns);  // row 13 is within the margin of rows with returns
     for (std::size_t i = 0; i < open.size(); i += 97) EXPECT_LT(nearest_beam(open[i], 12, turn).error_rad, 0.01);
   }
 }
@@ -86,11 +86,11 @@ TEST(OpenBeams, NothingIsOpenNextToAThinPole) {
   for (const Vec3f& direction : open) {
     const int column = nearest_beam(direction, 19, -1.0).column;
     EXPECT_GT(std::abs(column - 100), 2);
-    EXPECT_TRUE(column > 1 && column < 253) << column;  // the pole at 255 has neighbours across the seam
+    EXPECT_TRUE(column > 1 && column < 253) << column;  // columns 0 and 1 are within the margin of the pole at 255
   }
 }
 
-TEST(OpenBeams, SaysNothingBeforeItKnowsTheSensor) {
+TEST(OpenBeams, FindsNothingBeforeItHasLearntTheSensor) {
   OpenBeams beams(kEvery);
   EXPECT_TRUE(beams.find(scan([](int, int) { return 0.0; }).view()).empty());
   EXPECT_TRUE(beams.find(test::xyzi_cloud(1, 500).view()).empty());
@@ -100,7 +100,7 @@ TEST(OpenBeams, SaysNothingBeforeItKnowsTheSensor) {
     std::copy_n(random.bytes.begin() + static_cast<std::ptrdiff_t>(16 * ((i * 7919) % random.layout.num_points())), 16,
                 shuffled.bytes.begin() + static_cast<std::ptrdiff_t>(16 * i));
   }
-  EXPECT_TRUE(learnt(&beams, shuffled).empty());  // columns that follow no circle
+  EXPECT_TRUE(learnt(&beams, shuffled).empty());  // the azimuths of shuffled columns follow no rule
   const RawCloud empty = scan([](int, int) { return 0.0; });
   EXPECT_TRUE(beams.find(empty.view()).empty());
 }

@@ -54,11 +54,11 @@ TEST(Sweep, ReadsBeamsWithoutReturnApartFromPoints) {
   const float nan = std::nanf("");
   RawCloud c(1, 4, 28, fields);
   c.set_xyz(0, 1.0F, 2.0F, 3.0F);
-  c.set_xyz(1, nan, nan, nan);  // a beam
+  c.set_xyz(1, nan, nan, nan);  // an open beam
   c.set(1, "beam_z", 1.0F);
-  c.set_xyz(2, nan, nan, nan);  // neither point nor beam: kept, for whoever counts those
+  c.set_xyz(2, nan, nan, nan);  // neither a point nor a beam, which is kept so that later stages can count it
   c.set_xyz(3, 4.0F, 5.0F, 6.0F);
-  c.set(3, "beam_x", 1.0F);  // has coordinates: a point
+  c.set(3, "beam_x", 1.0F);  // a row with coordinates is a point even if it has a direction
   const cloud::Sweep sweep = cloud::read_sweep(c.view());
   ASSERT_EQ(sweep.points.size(), 3u);
   EXPECT_EQ(sweep.points[2], Vec3f(4, 5, 6));
@@ -67,7 +67,7 @@ TEST(Sweep, ReadsBeamsWithoutReturnApartFromPoints) {
   EXPECT_EQ(sweep.time_offsets_ns.size(), sweep.points.size());
 }
 
-TEST(Sweep, OfAFilteredCloudIsWhatItsMessageWouldSay) {
+TEST(Sweep, OfAFilteredCloudEqualsThatOfItsMessage) {
   cloud::FilterResult filtered;
   filtered.points = {{1, 2, 3, 50, 0}, {4, 5, 6, 60, 30'000'000}};
   filtered.sweep_start_ns = -100'000'000;

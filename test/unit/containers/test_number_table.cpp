@@ -15,7 +15,7 @@ namespace {
 
 using Table = containers::NumberTable<Index3, geometry::Index3Hash>;
 
-/// Keys that all want the same slot.
+/// A hash that gives all keys the same slot.
 struct SameSlot {
   std::size_t operator()(int) const { return 12345; }
 };
@@ -53,7 +53,7 @@ TEST(NumberTable, AgreesWithAMapWhileItGrows) {
   }
 }
 
-TEST(NumberTable, KnowsNothingBeforeAnythingIsInsertedAndAfterItForgets) {
+TEST(NumberTable, FindsNothingBeforeTheFirstInsertionAndAfterClearing) {
   std::vector<Index3> keys{{1, 2, 3}, {-4, 5, 6}};
   const auto key_of = [&](std::uint32_t number) { return keys[number]; };
   Table table;
@@ -71,7 +71,7 @@ TEST(NumberTable, KnowsNothingBeforeAnythingIsInsertedAndAfterItForgets) {
   }
 }
 
-TEST(KeyNumbers, CountsKeysInTheOrderInWhichTheyAreMet) {
+TEST(KeyNumbers, NumbersKeysInTheOrderOfTheirFirstUse) {
   containers::KeyNumbers<Index3, geometry::Index3Hash> numbers;
   std::mt19937 rng(7);
   for (int round = 0; round < 3; ++round) {
@@ -86,7 +86,7 @@ TEST(KeyNumbers, CountsKeysInTheOrderInWhichTheyAreMet) {
   }
 }
 
-TEST(NumberTable, KeysThatWantTheSameSlotAreToldApart) {
+TEST(NumberTable, KeysWithTheSameHashAreToldApart) {
   containers::NumberTable<int, SameSlot> table;
   const auto key_of = [](std::uint32_t number) { return static_cast<int>(number) * 7; };
   for (std::uint32_t i = 0; i < 200; ++i) EXPECT_EQ(table.insert(key_of(i), i, key_of), i);

@@ -5,7 +5,7 @@
 
 using namespace voxnav::geometry;  // NOLINT: test
 
-TEST(Bend, IsRigidUnlessToldOtherwise) {
+TEST(Bend, IsRigidByDefault) {
   EXPECT_TRUE(Bend{}.is_rigid());
   for (double phase = 0.0; phase <= 1.0; phase += 0.1) EXPECT_EQ(Bend{}.at(phase).matrix(), Pose::Identity().matrix());
 }

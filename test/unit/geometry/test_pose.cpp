@@ -10,7 +10,7 @@
 using namespace voxnav::geometry;  // NOLINT: test
 
 TEST(Pose, YawSurvivesTilt) {
-  // Heading is where the x axis points, whatever roll and pitch are.
+  // Yaw is the heading of the x axis, whatever roll and pitch are.
   for (double yaw = -3.0; yaw < 3.1; yaw += 0.3) {
     Pose tilted = Pose::Identity();
     tilted.linear() = (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(0.4, Vec3::UnitY()) *
@@ -31,7 +31,7 @@ TEST(Pose, WrapAngleStaysInRangeAndKeepsDirection) {
   }
 }
 
-TEST(Pose, InvalidMatricesAreSeen) {
+TEST(Pose, InvalidMatricesAreDetected) {
   Pose pose = Pose::Identity();
   EXPECT_TRUE(is_valid(pose));
   pose.translation().x() = std::nan("");

@@ -21,7 +21,7 @@ TEST(PoseBuffer, InterpolatesAndNeverExtrapolates) {
   const auto middle = buffer.at(1'500'000'000);
   ASSERT_TRUE(middle);
   EXPECT_LT((middle->translation() - Vec3(1, 0, 0)).norm(), 1e-12);
-  EXPECT_NEAR(std::abs(geometry::yaw_of(*middle)), M_PI, 1e-9);  // the short way around
+  EXPECT_NEAR(std::abs(geometry::yaw_of(*middle)), M_PI, 1e-9);  // the shorter of the two rotations is interpolated
   EXPECT_TRUE(buffer.at(1'000'000'000)->matrix() == from_position_yaw(Vec3::Zero(), 3.0).matrix());
   EXPECT_TRUE(buffer.at(2'000'000'000)->matrix() == from_position_yaw(Vec3(2, 0, 0), -3.0).matrix());
   EXPECT_FALSE(buffer.at(999'999'999));
@@ -42,7 +42,7 @@ TEST(PoseBuffer, RefusesLateStrayAndBrokenPoses) {
   EXPECT_TRUE(buffer.add(101 * second_ns, Pose::Identity()));
 }
 
-TEST(PoseBuffer, ForgetsAClockThatWasSetAnew) {
+TEST(PoseBuffer, ForgetsPosesOfAClockThatWasReset) {
   PoseBuffer buffer;
   for (int i = 0; i < 10; ++i) buffer.add(base::from_seconds(100.0 + 0.1 * i), Pose::Identity());
   for (int i = 0; i < 5; ++i) buffer.add(base::from_seconds(10.0 + 0.1 * i), Pose::Identity());
@@ -55,15 +55,15 @@ TEST(PoseBuffer, DoesNotInterpolateOverAGap) {
   buffer.set_max_gap_ns(base::from_seconds(0.3));
   for (const double t : {1.0, 1.2, 1.7, 2.0}) buffer.add(base::from_seconds(t), from_position_yaw(Vec3(t, 0, 0), 0.0));
   EXPECT_TRUE(buffer.at(base::from_seconds(1.1)));
-  EXPECT_TRUE(buffer.at(base::from_seconds(1.2)));  // at the very poses around the gap
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.2)));  // the poses at both ends of the gap are known
   EXPECT_TRUE(buffer.at(base::from_seconds(1.7)));
-  EXPECT_TRUE(buffer.at(base::from_seconds(1.9)));  // as long as is allowed
+  EXPECT_TRUE(buffer.at(base::from_seconds(1.9)));  // this gap is just short enough
   for (const double t : {1.21, 1.5, 1.69}) {
     EXPECT_FALSE(buffer.at(base::from_seconds(t)));
     EXPECT_EQ(buffer.gap_around(base::from_seconds(t)), base::from_seconds(1.7) - base::from_seconds(1.2));
   }
   EXPECT_FALSE(buffer.gap_around(base::from_seconds(1.1)));
-  EXPECT_FALSE(buffer.gap_around(base::from_seconds(2.5)));  // a later pose may still tell
+  EXPECT_FALSE(buffer.gap_around(base::from_seconds(2.5)));  // a later pose may still cover this time
   buffer.set_max_gap_ns(std::nullopt);
   EXPECT_TRUE(buffer.at(base::from_seconds(1.5)));
 }

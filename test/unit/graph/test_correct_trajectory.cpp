@@ -28,7 +28,7 @@ std::vector<SubmapCorrection> bent_submaps() {
 
 }  // namespace
 
-TEST(CorrectTrajectory, LeavesItAloneWhenNothingMoved) {
+TEST(CorrectTrajectory, ChangesNothingWithoutCorrections) {
   std::vector<SubmapCorrection> corrections = bent_submaps();
   for (SubmapCorrection& c : corrections) c.T_W_S = c.T_O_S;
   const auto flight = straight_flight();
@@ -44,7 +44,7 @@ TEST(CorrectTrajectory, HasNoStepsFarFromTheOrigin) {
   }
 }
 
-TEST(CorrectTrajectory, MeetsEachSubmapInItsMiddle) {
+TEST(CorrectTrajectory, AppliesTheCorrectionOfEachSubmapInItsMiddle) {
   const auto flight = straight_flight();
   const auto corrections = bent_submaps();
   const auto out = correct_trajectory(flight, corrections);
@@ -61,7 +61,7 @@ TEST(CorrectTrajectory, RefusesUnorderedSubmaps) {
   EXPECT_THROW(correct_trajectory(straight_flight(), {}), std::invalid_argument);
 }
 
-/// What was seen from a place of the trajectory moves as the place does.
+/// Content that was observed from a pose of the trajectory is corrected as that pose is.
 TEST(BendsOf, ContentFollowsTheTrajectory) {
   const auto flight = straight_flight();
   const auto corrections = bent_submaps();
@@ -73,7 +73,8 @@ TEST(BendsOf, ContentFollowsTheTrajectory) {
     const SubmapCorrection& c = corrections[k];
     const double phase = static_cast<double>(flight[i].stamp_ns - c.start_ns) / 10e9;
     const geometry::Pose T_S_B = c.T_O_S.inverse() * flight[i].pose;
-    // Blended about the submap's origin here and about the body there: the same but for the arc of a small turn.
+    // Bends interpolate about the origin of the submap and trajectories about the body, which differ by the arc of a
+    // small rotation.
     EXPECT_TRUE((c.T_W_S * bends[k].at(phase) * T_S_B).isApprox(trajectory[i].pose, 1e-5)) << i;
   }
 }
@@ -92,7 +93,7 @@ TEST(BendsOf, NeighboursMeetAndTheEndsOfTheFlightStayRigid) {
 
 TEST(BendsOf, AJumpOfOdometryBendsNothing) {
   std::vector<SubmapCorrection> corrections = bent_submaps();
-  corrections[2].T_W_S.translation().x() += 7.0;  // 3.5 m from either middle, if it had come evenly
+  corrections[2].T_W_S.translation().x() += 7.0;  // if this were drift, it would be 3.5 m for each of the two submaps
   const std::vector<geometry::Bend> bends = bends_of(corrections, 1.0);
   EXPECT_TRUE(bends[1].T_S_end.isApprox(geometry::Pose::Identity()));
   EXPECT_TRUE(bends[2].T_S_begin.isApprox(geometry::Pose::Identity()));

@@ -21,7 +21,7 @@ Matrix4 random_information() {
   return m * m.transpose() + 0.1 * Matrix4::Identity();
 }
 
-/// Central differences of f at x, one column per parameter.
+/// Returns the Jacobian of f at x by central differences, one column per parameter.
 template <class F>
 Eigen::MatrixXd numeric(const F& f, const Pose4& x) {
   constexpr double kStep = 1e-6;
@@ -93,7 +93,7 @@ TEST(RelativePoseFactor, AnalyticJacobiansEqualNumericOnes) {
   for (int i = 0; i < 50; ++i) {
     const Pose4 a = random_pose();
     const Pose4 b = random_pose();
-    // Measured near the truth, so that the step of the differences does not cross the wrap of yaw.
+    // The measurement is near the truth, so that the step of the differences does not cross the wrap of yaw.
     RelativePoseFactor factor{relative(a, b) + 0.1 * random_pose() / 20.0, whitening_of(random_information(), "I")};
     Matrix4 J_a;
     Matrix4 J_b;
@@ -103,7 +103,7 @@ TEST(RelativePoseFactor, AnalyticJacobiansEqualNumericOnes) {
   }
 }
 
-TEST(RelativePoseFactor, YawErrorTakesTheShortWay) {
+TEST(RelativePoseFactor, YawErrorIsWrapped) {
   const RelativePoseFactor factor{Pose4(0, 0, 0, 3.1), Matrix4::Identity()};
   const Pose4 error = factor.evaluate(Pose4::Zero(), Pose4(0, 0, 0, -3.1), nullptr, nullptr);
   EXPECT_NEAR(error[3], 2.0 * M_PI - 6.2, 1e-12);
@@ -125,21 +125,21 @@ TEST(PositionFactor, AnalyticJacobiansEqualNumericOnes) {
   }
 }
 
-TEST(SeenAt, LiesBetweenItselfAndWhereTheNeighbourSaysItShouldBe) {
+TEST(SeenAt, MovesByItsShareOfTheNeighboursCorrection) {
   for (const bool is_before : {false, true}) {
     const Pose4 own = random_pose();
     const Pose4 step(uniform(-5, 5), uniform(-5, 5), uniform(-1, 1), 0.3);
-    // A neighbour that odometry agrees with moves nothing.
+    // A neighbour whose pose agrees with odometry does not move the submap.
     const Pose4 neighbour = is_before ? compose(own, relative(step, Pose4::Zero())) : compose(own, step);
     const SeenAt at{0.3, is_before, step.head<3>()};
     EXPECT_LT((at.evaluate(own, neighbour, nullptr, nullptr) - own).norm(), 1e-9);
-    // One that has drifted takes its share of the submap along.
+    // A neighbour that was corrected moves the submap by the share of its correction.
     const Pose4 drift(1.0, -2.0, 0.5, 0.0);
     EXPECT_LT((at.evaluate(own, neighbour + drift, nullptr, nullptr) - (own + 0.3 * drift)).norm(), 1e-9);
   }
 }
 
-TEST(SeenAt, JacobiansAreThoseOfTheFunction) {
+TEST(SeenAt, AnalyticJacobiansEqualNumericOnes) {
   for (int i = 0; i < 50; ++i) {
     const Pose4 own = random_pose();
     const Pose4 neighbour = random_pose();

@@ -41,7 +41,7 @@ TEST(G2o, ReadsWhatItWrote) {
 }
 
 TEST(G2o, InformationBelongsToTheMeasuredFrame) {
-  // The measured frame looks along y of frame a: its x is certain, so that frame a is certain along y.
+  // The x axis of the measured frame points along y of frame a, so information about x holds y of frame a.
   const G2o file = read_g2o(
       "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 4 2 0 0 0 0.7071067811865476 0.7071067811865476\n"
       "EDGE_SE3:QUAT 0 1 4 2 0 0 0 0.7071067811865476 0.7071067811865476 "
@@ -53,8 +53,8 @@ TEST(G2o, InformationBelongsToTheMeasuredFrame) {
 }
 
 TEST(G2o, SolutionWeighsEdgesInTheirMeasuredFrames) {
-  // Edges of one yaw: g2o's cost is then quadratic in the position of vertex 1, and its least value is
-  // (Σ R Ωᵢ Rᵀ)⁻¹ Σ R Ωᵢ Rᵀ tᵢ. Vertex 0 is turned too, so that no frame is that of the map.
+  // All edges have the same yaw, so that the cost of g2o is quadratic in the position of vertex 1, with its minimum at
+  // (Σ R Ωᵢ Rᵀ)⁻¹ Σ R Ωᵢ Rᵀ tᵢ. Vertex 0 is rotated as well, so that no frame is that of the map.
   const double yaw_a = 0.4, yaw = 1.1;
   const Eigen::Rotation2Dd R(yaw);
   const Eigen::Vector2d t[2] = {{4.0, 2.0}, {4.6, 1.7}};
@@ -80,7 +80,8 @@ TEST(G2o, SolutionWeighsEdgesInTheirMeasuredFrames) {
 }
 
 TEST(G2o, WhatIsWrittenHasTheSameCostByTheDefinitionOfG2o) {
-  // Ours, M [R_aᵀ (t_b − t_a) − t̂; yaw], against g2o's T̂⁻¹ T_a_b on the numbers of the written line.
+  // The residual of this repository, M [R_aᵀ (t_b − t_a) − t̂; yaw], is compared with that of g2o, T̂⁻¹ T_a_b, whose
+  // numbers are those of the written line.
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 50; ++trial) {
@@ -124,7 +125,7 @@ TEST(G2o, ReadsPlanarFiles) {
 }
 
 TEST(G2o, ReadsParametersFixAndKeysOfGtsam) {
-  const std::string x = "86469112845513523";  // 'x' in the highest byte
+  const std::string x = "86469112845513523";  // the beginning of keys of GTSAM with 'x' in the highest byte
   const G2o file = read_g2o("PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE2 " + x + "25 1 0 0  # comment\nVERTEX_SE2 " +
                             x + "22 0 0 0\nFIX " + x + "22\nEDGE_SE2 " + x + "22 " + x + "25 1 0 0 1 0 0 1 0 1\n");
   ASSERT_EQ(file.vertices.size(), 2u);

@@ -37,7 +37,7 @@ ForestWorld meadow() {
   return world;
 }
 
-/// Time passes along y, from -15 to 15 m.
+/// Sets the times of observation so that they rise with y, from 0 at -15 m to 1 at 15 m.
 void see_from_left_to_right(SurfaceSample* sample) {
   const auto phase_at = [](double y) { return std::clamp(y / 30.0 + 0.5, 0.0, 1.0); };
   std::vector<SurfacePoint> points = sample->field->surface_points();
@@ -70,10 +70,11 @@ TEST(DrawSample, DropsPointsThatAreNotFinite) {
   EXPECT_EQ(draw_sample(field, 10, 1.0).points.size(), 1u);
 }
 
-/// 2 * gradient against differences of the cost.
+/// Compares twice the gradient of the model with differences of the cost.
 void expect_numeric_gradient(const Pair& pair, const Pose4& T) {
   const PairOverlap overlap = find_overlap(pair.a, pair.b, T, 200);
-  // A wide kernel makes the cost smooth over the step; trilinear cells still have kinks, hence the tolerance.
+  // A wide robust kernel makes the cost smooth over the step. Trilinear interpolation still has kinks between cells,
+  // hence the tolerance.
   const PairModel model = evaluate_pair(pair.a, pair.b, overlap, T, 1.6);
   for (int k = 0; k < 4; ++k) {
     const double step = k == 3 ? 1e-5 : 1e-4;
@@ -90,21 +91,22 @@ void expect_numeric_gradient(const Pair& pair, const Pose4& T) {
 
 TEST(EvaluatePair, GradientEqualsNumericOne) {
   Pair pair = forest_pair();
-  // Of planes only the part along the normal is believed, which is not the gradient of the interpolated distance.
+  // On planes only the part of the gradient along the normal is used, which differs from the numeric gradient of the
+  // interpolated distance; so no point is planar here.
   for (SurfaceSample* sample : {&pair.a, &pair.b}) {
     for (SamplePoint& point : sample->points) point.is_planar = false;
   }
   const Pose4 T = pair.truth + Pose4(0.2, -0.15, 0.1, 0.02);
   expect_numeric_gradient(pair, T);
-  // The same of submaps that drifted while they were made.
+  // The gradients are equal as well if the submaps drifted while they were made.
   for (SurfaceSample* sample : {&pair.a, &pair.b}) see_from_left_to_right(sample);
   pair.a.sway = {Vec3(0.3, -0.2, 0.05), Vec3(-0.2, 0.25, 0.0)};
   pair.b.sway = {Vec3(-0.1, 0.3, 0.0), Vec3(0.2, 0.2, -0.05)};
   expect_numeric_gradient(pair, T);
 }
 
-/// B was drawn apart sideways while it was seen from one side to the other, which looks like a turn.
-TEST(RefinePair, DriftWithinASubmapIsNoTurnOnceItIsKnown) {
+/// Submap B was observed from one side to the other while it drifted along x, which looks like a rotation.
+TEST(RefinePair, KnownDriftWithinASubmapIsNotTakenForARotation) {
   Pair pair = forest_pair();
   see_from_left_to_right(&pair.b);
   const Sway sway{Vec3(0.35, 0.1, 0.0), Vec3(-0.35, -0.1, 0.0)};
@@ -114,15 +116,16 @@ TEST(RefinePair, DriftWithinASubmapIsNoTurnOnceItIsKnown) {
   const auto registered = [&] { return refine_pair(pair.a, pair.b, overlap, pair.truth, {0.8, 0.4}, 0.03).T_A_B; };
   EXPECT_GT(std::abs(registered()[3] - pair.truth[3]), 0.008);
   pair.b.sway = sway;
-  Pose4 expected = pair.truth;  // as B lay when it saw what they share
+  Pose4 expected = pair.truth;  // the pose of B at the mean time at which it saw the shared surfaces, set below
   expected.head<3>() += to_pose(Pose4(0, 0, 0, pair.truth[3])) * sway.at(overlap.phase_b);
   const Pose4 error = registered() - expected;
   EXPECT_LT(error.head<3>().norm(), 0.04) << error.transpose();
   EXPECT_LT(std::abs(error[3]), 0.003);
 }
 
-TEST(EvaluatePair, TheEndOfAPlaneSaysNothingAlongIt) {
-  // A saw the ground up to x = 0, B beyond it: the nearest point of A lies beside every point of B, not only below.
+TEST(EvaluatePair, TheEndOfAPlaneHoldsNothingAlongThePlane) {
+  // A saw the ground up to x = 0 and B beyond it, so that the point of A nearest to a point of B lies beside it as
+  // well.
   const voxnav::geometry::Aabb box{Vec3(-8, -8, -2), Vec3(8, 8, 2)};
   const auto ground = [](double first, double last) {
     std::vector<SurfacePoint> points;
@@ -177,7 +180,7 @@ TEST(SearchPair, FindsThreeMetresAndTenDegrees) {
   }
 }
 
-TEST(SearchPair, IsSilentWhereNothingStandsOut) {
+TEST(SearchPair, ReturnsNothingIfNoAlignmentStandsOut) {
   const Pair pair = make_pair_of(meadow(), Pose4(0, 0, 2, 0), Pose4(5, 0, 2, 0));
   EXPECT_FALSE(search_pair(pair.a, pair.b, pair.truth, {3.2, 0.2, 0.8, 100, 0.9}).has_value());
 }

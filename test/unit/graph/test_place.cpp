@@ -58,7 +58,7 @@ TEST(Place, IsRecognisedFromAnotherHeadingAndOtherPositions) {
   EXPECT_GE(found, 18);
 }
 
-TEST(Place, OtherPlacesAreNotTakenForIt) {
+TEST(Place, OtherPlacesDoNotMatch) {
   int found = 0;
   for (unsigned trial = 0; trial < 40; ++trial) {
     const Place a = place_at(make_forest(40, 250, 200 + trial), Pose4(0, 0, 2, 0), 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Submaps that come back to where they began after a way on which nothing corrected the drift.
+// Flights that return to the grove where they began, over a meadow on which nothing corrects the drift.
 #include <gtest/gtest.h>
 
 #include "graph/pose4.hpp"
@@ -17,14 +17,14 @@ struct Flight {
   std::vector<std::shared_ptr<GridField>> submaps;
 };
 
-/// Trees stand around the origin only; everywhere else is a meadow that holds nothing but height.
+/// Returns a world with trees around the origin only. The rest is a meadow, which determines nothing but height.
 ForestWorld grove(unsigned seed) {
   ForestWorld world = make_forest(32, 250, seed);
   world.hill_m = 0.1;
   return world;
 }
 
-/// Through the grove along x, over the meadow in a wide bow, and through the grove again the other way.
+/// Returns a path through the grove along x, over the meadow in a wide curve, and back through the grove.
 std::vector<Pose4> there_and_back() {
   std::vector<Pose4> out;
   for (int i = 0; i < 6; ++i) out.push_back({-15.0 + 6.0 * i, 0.0, 2.0, 0.1});
@@ -37,7 +37,7 @@ std::vector<Pose4> there_and_back() {
   return out;
 }
 
-/// Drift that goes one way in W is not undone by flying back.
+/// Returns a flight whose odometry drifts in a constant direction of W, so that the way back does not undo the drift.
 Flight fly(const ForestWorld& world, const Pose4& drift_per_step) {
   Flight flight;
   flight.truth = there_and_back();
@@ -52,8 +52,8 @@ Flight fly(const ForestWorld& world, const Pose4& drift_per_step) {
 }
 
 struct Result {
-  double drift_m = 0.0;  ///< of the input where the flight ends
-  double left_m = 0.0;   ///< of it after all solves
+  double drift_m = 0.0;  ///< error of odometry at the end of the flight
+  double left_m = 0.0;   ///< error at the end of the flight after all solves
   int num_recognised = 0;
 };
 
@@ -97,7 +97,7 @@ TEST(RecognisedPlaces, TenMetresOfDriftAreClosedWithReversedHeading) {
   }
 }
 
-TEST(RecognisedPlaces, AnotherGroveIsNotTakenForTheFirst) {
+TEST(RecognisedPlaces, AnotherGroveIsNotMistakenForTheFirst) {
   for (const unsigned seed : {1u, 2u}) {
     Flight flight = fly(grove(seed), kDriftPerStep);
     const Flight other = fly(grove(seed + 10), kDriftPerStep);

@@ -16,7 +16,7 @@ Matrix4 information_of(const Pose4& sigma) { return Matrix4(sigma.cwiseProduct(s
 
 const Pose4 kSigma(0.25, 0.25, 0.1, 0.01);
 
-/// A ring of submaps that ends where it began, with odometry that has drifted when it comes back.
+/// A flight along a ring, which ends where it began with odometry that has drifted.
 struct Flight {
   std::vector<Pose4> truth;
   std::vector<Pose4> odometry;
@@ -101,7 +101,7 @@ TEST(RegisteredGraph, GrowsSubmapBySubmapWithinItsBudget) {
   SubmapGraph graph;
   for (std::size_t i = 0; i < flight.truth.size(); ++i) {
     const int id = static_cast<int>(i);
-    // As in flight: a new submap starts from where the graph has the one before it.
+    // As in flight, a new submap starts relative to the corrected pose of the submap before it.
     Pose4 start = flight.odometry[i];
     if (i > 0) {
       const Pose4 step = relative(flight.odometry[i - 1], flight.odometry[i]);
@@ -136,7 +136,7 @@ TEST(RegisteredGraph, MovesWithTheFrame) {
   SubmapGraph there = graph_of(moved);
   here.optimize();
   there.optimize();
-  // The spatial index is aligned with the frame and may propose other pairs; the answer has to agree within noise.
+  // The spatial index is aligned with the frame and may propose other pairs, so results agree only within noise.
   for (const auto& [id, pose] : here.poses()) {
     const Pose expected = to_pose(frame) * pose;
     EXPECT_LT((there.poses().at(id).translation() - expected.translation()).norm(), 0.05) << id;
@@ -156,7 +156,7 @@ TEST(RegisteredGraph, MeadowIsNeverWorseAndKeepsOdometryInThePlane) {
   }
 }
 
-TEST(RegisteredGraph, PerfectInputStays) {
+TEST(RegisteredGraph, PerfectInputIsNotChanged) {
   Flight flight = forest_flight();
   flight.odometry = flight.truth;
   SubmapGraph graph = graph_of(flight);

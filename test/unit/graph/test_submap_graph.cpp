@@ -14,7 +14,7 @@ namespace {
 
 using Truth = std::vector<Pose4>;
 
-/// A closed square of submaps, eight metres apart.
+/// Returns the true poses of submaps along a closed square, eight metres apart.
 Truth square(int per_side) {
   Truth out;
   Pose4 pose = Pose4::Zero();
@@ -82,7 +82,7 @@ const int kLast = static_cast<int>(kTruth.size()) - 1;
 
 }  // namespace
 
-TEST(SubmapGraph, OdometryAloneStaysWhereItIs) {
+TEST(SubmapGraph, OdometryAloneIsNotChanged) {
   const Odometry odometry = drifting(kTruth, Noise());
   SubmapGraph graph = chain(odometry, Noise());
   const OptimizeReport report = graph.optimize();
@@ -125,7 +125,7 @@ TEST(SubmapGraph, OneWrongLoopDoesNotBendTheMap) {
 }
 
 TEST(SubmapGraph, WrongLoopFirstDoesNotLockOutTheTrueOne) {
-  // Within the gate of a loose chain, yet contradicted by several true ones that come later.
+  // The wrong loop passes the gate of a chain with little information, but several true loops contradict it later.
   SubmapGraph graph = chain(drifting(kTruth, Noise()), Noise());
   add_loop(&graph, 1, kLast, compose(relative(kTruth[1], kTruth.back()), {1.2, 0.8, 0, 0}));
   graph.optimize();
@@ -173,7 +173,7 @@ TEST(SubmapGraph, OrderOfSubmapsDoesNotMatter) {
 }
 
 TEST(SubmapGraph, YawWrapDoesNotTearTheRing) {
-  // Headings of the ring pass through pi; a start three turns away in numbers is the same start.
+  // Headings along the ring pass through pi. A start whose yaw is three full turns larger is the same start.
   Truth truth = square(4);
   const Odometry odometry = drifting(truth, Noise());
   SubmapGraph graph = chain(odometry, Noise(), Pose4(0, 0, 0, 3.0));
@@ -205,7 +205,8 @@ TEST(SubmapGraph, GnssInAnUnknownFrameRemovesDriftDespiteOutliers) {
   }
   for (int i = 0; i < 3; ++i) graph.optimize();
   ASSERT_TRUE(graph.gnss_datum().has_value());
-  // Where north is in W only the first step tells; the shape of the flight is what GNSS fixes.
+  // Only the first step determines the direction of north in W, so the shape of the flight is compared, which GNSS
+  // determines.
   const auto poses = graph.poses();
   for (const auto& [i, a] : poses) {
     for (const auto& [j, b] : poses) {

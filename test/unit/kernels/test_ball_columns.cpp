@@ -18,7 +18,7 @@ TEST(BallColumns, EqualTheReference) {
       for (const std::size_t n : {1u, 5u, 100u}) {
         std::vector<kernels::BallCenter> centers(n);
         for (auto& center : centers) center = {place(rng), place(rng), place(rng)};
-        centers[0] = {8.0f, 16.0f, 15.5f};  // at a voxel's centre, and between two
+        centers[0] = {8.0f, 16.0f, 15.5f};  // at the centre of a voxel along some axes, between two along others
         std::vector<std::uint32_t> columns(kColumns), expected(kColumns);
         kernels::add_balls(centers.data(), n, reach * reach, columns.data());
         kernels::reference::add_balls(centers.data(), n, reach * reach, expected.data());

@@ -32,7 +32,7 @@ std::vector<Vec3f> random_ends(unsigned seed, std::size_t n) {
   return out;
 }
 
-/// Both images of some beams, the first beam of a pixel being kept.
+/// The fine and the coarse image of some beams, of which the first in a pixel is kept.
 struct Images {
   std::vector<kernels::BeamPixel> fine, coarse;
   explicit Images(const std::vector<Vec3f>& ends)
@@ -112,7 +112,7 @@ TEST(DrawBeams, EqualsTheReference) {
       kernels::reference::draw_beams(batch, kRanges, expected.get());
       for (std::size_t i = 0; i < PointBatch::kSize; ++i) {
         ASSERT_EQ(drawn->range[i], expected->range[i]) << i;
-        if (drawn->range[i] == 0) continue;  // nobody asks where the others fall
+        if (drawn->range[i] == 0) continue;  // beams with range 0 are not drawn, so their pixels do not matter
         ASSERT_EQ(drawn->fine[i], expected->fine[i]) << i;
         ASSERT_EQ(drawn->coarse[i], expected->coarse[i]) << i;
       }
@@ -129,7 +129,7 @@ TEST(SeenOctants, EqualTheReference) {
     std::uniform_real_distribution<float> place(-60.0f, 60.0f);
     int num_seen = 0, num_whole = 0;
     for (int trial = 0; trial < 1500; ++trial) {
-      const float near = trial % 4 == 0 ? 0.1f : 1.0f;  // every fourth block lies about the sensor
+      const float near = trial % 4 == 0 ? 0.1f : 1.0f;  // every fourth block contains or touches the sensor
       const Vec3f first_center(near * place(rng) - 8.0f, near * place(rng) - 8.0f, near * place(rng) - 8.0f);
       const Voxels voxels(&rng, 1 + trial % kernels::lanes::kLanes);
       alignas(32) std::int32_t octants[kernels::lanes::kLanes], expected[kernels::lanes::kLanes];

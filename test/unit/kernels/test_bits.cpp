@@ -9,7 +9,7 @@
 
 using namespace voxnav;  // NOLINT: test
 
-TEST(Bits, AreCountedAsTheReferenceCounts) {
+TEST(Bits, CountsEqualTheReference) {
   std::mt19937_64 rng(1);
   EXPECT_EQ(kernels::count_bits(0), 0u);
   EXPECT_EQ(kernels::count_bits(~std::uint64_t{0}), 64u);
@@ -19,7 +19,7 @@ TEST(Bits, AreCountedAsTheReferenceCounts) {
   }
 }
 
-TEST(Bits, AreVisitedOnceEachLowestFirst) {
+TEST(Bits, AreVisitedOnceFromTheLowest) {
   std::mt19937_64 rng(2);
   for (int trial = 0; trial < 100; ++trial) {
     const std::uint64_t word = rng() & rng();
@@ -32,7 +32,7 @@ TEST(Bits, AreVisitedOnceEachLowestFirst) {
   }
 }
 
-TEST(Bits, AreTransposedAsTheReferenceTransposes) {
+TEST(Bits, TransposedMatricesEqualTheReference) {
   std::mt19937_64 rng(6);
   for (int trial = 0; trial < 200; ++trial) {
     std::array<std::uint16_t, 16> rows{}, columns{}, expected{};

@@ -28,7 +28,7 @@ kernels::MomentUpdate random_update(std::mt19937* rng) {
 
 }  // namespace
 
-TEST(BlendMoments, EqualsTheReferenceAndLeavesAloneWhatLiesBehind) {
+TEST(BlendMoments, EqualsTheReferenceAndWritesNothingBeyondItsOutput) {
   test::with_every_instruction_set([] {
     std::mt19937 rng(3);
     for (int trial = 0; trial < 50; ++trial) {

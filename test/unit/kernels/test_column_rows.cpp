@@ -46,7 +46,7 @@ TEST(ColumnRows, TurnedColumnsEqualTheReference) {
     const auto fixed = [](double edges) { return static_cast<std::int32_t>(std::lround(std::ldexp(edges, kShift))); };
     for (int trial = 0; trial < 200; ++trial) {
       const double angle = 0.05 * trial, c = std::cos(angle), s = std::sin(angle);
-      // The block turns about its middle, which stays where it is.
+      // The block is rotated about its middle, which stays in place.
       const kernels::TurnedBlock at{{fixed(20.3 - 7.5 * (c - s)), fixed(18.7 - 7.5 * (s + c))},
                                     {fixed(c), fixed(s)},
                                     {fixed(-s), fixed(c)},

@@ -63,7 +63,7 @@ TEST(MaskedBytes, WholeBlocksEqualTheReference) {
   });
 }
 
-TEST(MaskedBytes, CellsThatAreAtLeastSoMuchAreThoseOfTheReference) {
+TEST(MaskedBytes, CellsAboveAThresholdEqualTheReference) {
   std::mt19937_64 rng(6);
   for (int trial = 0; trial < 100; ++trial) {
     const Cells cells = random_cells(&rng);

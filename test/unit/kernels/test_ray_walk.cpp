@@ -12,10 +12,10 @@ namespace ray_walk = kernels::ray_walk;
 
 namespace {
 
-constexpr int kSideA = 200, kSide = 70;  // voxels
+constexpr int kSideA = 200, kSide = 70;  // lengths of the image in voxels, along axis a and along the two others
 constexpr int kWordsA = kSideA / 32 + 1;
 
-/// An image of all voxels with spare lines around it, as RayMarks makes them.
+/// A bit image of all voxels with spare lines around it, as RayMarks has it.
 struct Image {
   std::vector<std::uint32_t> words = std::vector<std::uint32_t>(std::size_t{kWordsA} * (kSide + 4) * (kSide + 4), 0u);
   ray_walk::Canvas canvas() {
@@ -28,7 +28,7 @@ struct Ends {
   std::vector<float> a, b, c;
 };
 
-/// Ends on one side of the origin that lie farther along a than along b and c.
+/// Returns ends of rays on one side of the origin that are farther away along a than along b and c.
 Ends random_ends(std::mt19937* rng, std::size_t n, bool is_ascending) {
   std::uniform_real_distribution<float> share(-1.0f, 1.0f), length(0.0f, 30.0f);
   Ends out;

@@ -18,7 +18,7 @@ using kernels::kWindowSide;
 
 namespace {
 
-/// A window of random voxels around a slanted surface, with points inside the occupied ones.
+/// A window of random voxels around an inclined surface, with surface points inside the occupied ones.
 struct RandomWindow {
   std::vector<std::uint32_t> free = std::vector<std::uint32_t>(kWindowSide * kWindowSide);
   std::vector<std::uint32_t> occupied = free;

@@ -29,13 +29,13 @@ std::vector<Vec3f> random_ends(unsigned seed, std::size_t n) {
   return out;
 }
 
-/// The numbers of the beams that the image gives for a ball.
+/// Returns the numbers of the beams that the image finds for a ball.
 std::set<std::uint32_t> beams_near(const BeamImage& image, const Vec3f& center, float radius, float shortest) {
   kernels::BeamPlaces places;
   kernels::find_places(image.images(), lanes::Floats{} + center.x(), lanes::Floats{} + center.y(),
                        lanes::Floats{} + center.z(), radius, lanes::Floats{} + shortest, &places);
   std::set<std::uint32_t> out;
-  const int lane = 5;  // all are alike
+  const int lane = 5;  // all lanes hold the same ball
   for (int v = 0; v < places.height[lane]; ++v) {
     for (int u = 0; u < places.width[lane]; ++u) {
       const kernels::BeamPixel pixel = places.first[lane][v * places.side[lane] + u];
@@ -45,7 +45,7 @@ std::set<std::uint32_t> beams_near(const BeamImage& image, const Vec3f& center, 
   return out;
 }
 
-/// Beams of another face of the cube than the ball's centre are left out.
+/// Returns whether two directions leave a cube around the sensor by the same face: the image leaves out other beams.
 bool is_on_one_face(const Vec3f& a, const Vec3f& b) {
   int axis = 0;
   a.cwiseAbs().maxCoeff(&axis);
@@ -59,7 +59,7 @@ float distance_to_beam(const Vec3f& end, const Vec3f& p) { return end.normalized
 }  // namespace
 
 TEST(BeamImage, FindsEveryBeamThroughABall) {
-  const std::vector<Vec3f> ends = random_ends(1, 150);  // hardly two in a pixel
+  const std::vector<Vec3f> ends = random_ends(1, 150);  // so few that hardly two of them share a pixel
   BeamImage image;
   image.build(ends.front().data(), ends.size(), 3, 0.5f, kFarthest_m, false);
   std::size_t found = 0, missed = 0;
@@ -73,10 +73,10 @@ TEST(BeamImage, FindsEveryBeamThroughABall) {
     }
   }
   EXPECT_GT(found, 100u);
-  EXPECT_LE(missed, found / 20);  // those that share their pixel with another
+  EXPECT_LE(missed, found / 20);  // a beam is missed if it shares its pixel with another
 }
 
-TEST(BeamImage, GivesNoBeamThatIsShorterOrElsewhere) {
+TEST(BeamImage, GivesNoBeamThatIsTooShortOrInAnotherDirection) {
   const std::vector<Vec3f> ends = random_ends(3, 40000);
   BeamImage image;
   image.build(ends.front().data(), ends.size(), 3, 0.5f, kFarthest_m, false);
@@ -85,7 +85,7 @@ TEST(BeamImage, GivesNoBeamThatIsShorterOrElsewhere) {
     const float radius = 0.3f, shortest = center.norm() + 0.4f;
     for (const std::uint32_t i : beams_near(image, center, radius, shortest)) {
       EXPECT_GT(ends[i].norm(), shortest - 1.01f * step_m);
-      // A square of pixels about the ball, coarse ones when it is near.
+      // The image gives all beams in a square of pixels around the ball, which are coarse if the ball is near.
       EXPECT_LT(ends[i].normalized().cross(center.normalized()).norm(), 0.1f + 4.0f * radius / center.norm());
     }
   }
@@ -100,7 +100,7 @@ TEST(BeamImage, BeamsBeyondTheLongestAreLeftOutOrKept) {
   EXPECT_EQ(beams_near(image, Vec3f(10, 0, 0), 0.3f, 11.0f).size(), 1u);
 }
 
-TEST(BeamImage, TheSensorInsideABallSeesNothingOfIt) {
+TEST(BeamImage, GivesNoBeamForABallAroundTheSensor) {
   const std::vector<Vec3f> ends = random_ends(5, 1000);
   BeamImage image;
   image.build(ends.front().data(), ends.size(), 3, 0.5f, kFarthest_m, false);

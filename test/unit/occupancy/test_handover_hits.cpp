@@ -60,7 +60,7 @@ bool is_observed_free(const MapContent& content, const Vec3& p) {
   return false;
 }
 
-/// Content with own hits left out: what obstacles, distances and evidence are made from.
+/// Returns the bytes of a content without what was observed since the last handover.
 std::string remembered(MapContent content) {
   for (auto& block : content.blocks) {
     block.observed_free = {};
@@ -75,9 +75,9 @@ std::string remembered(MapContent content) {
 
 }  // namespace
 
-TEST(HandoverHits, OnlyHitsSinceTheLastHandoverAreOwn) {
+TEST(HandoverHits, OnlyHitsSinceTheLastHandoverCountAsObserved) {
   const Vec3 first(5.05, 0.2, 0.2);
-  const Vec3 moved(5.15, 0.2, 0.2);  // the same surface as a drifted pose sees it; same voxel
+  const Vec3 moved(5.15, 0.2, 0.2);  // the same surface, in the same voxel, as seen from a pose that has drifted
   const Vec3 other(0.2, 6.05, 0.2);
   LocalMap map(small_config());
   for (int i = 0; i < 10; ++i) insert_from(&map, kOrigin, {first, other});
@@ -94,11 +94,11 @@ TEST(HandoverHits, OnlyHitsSinceTheLastHandoverAreOwn) {
   EXPECT_EQ(num_own(map.content()), 0u);
 }
 
-TEST(HandoverHits, NothingThatIsBelievedChanges) {
+TEST(HandoverHits, HandoversDoNotChangeTheMap) {
   LocalMap with(small_config());
   LocalMap without(small_config());
   for (unsigned i = 0; i < 60; ++i) {
-    // Thin things seen now and then, from places that move on: what handovers must not make anybody forget.
+    // Thin objects are hit now and then from a moving sensor; a handover must not change what the map knows of them.
     const Vec3 origin(0.2 + 0.15 * i, 0.2, 0.2);
     const auto points = test::random_points(i % 7, 400, Vec3(6.0, 0.0, 0.5), 9.0);
     insert_from(&with, origin, points);
@@ -111,7 +111,7 @@ TEST(HandoverHits, NothingThatIsBelievedChanges) {
   EXPECT_EQ(with.centers_below(0.3), without.centers_below(0.3));
 }
 
-TEST(HandoverHits, TellWhenTheyWere) {
+TEST(HandoverHits, HaveTheirMeanTime) {
   const Vec3 early(5.05, 0.2, 0.2);
   const Vec3 late(0.2, 6.05, 0.2);
   const Vec3 always(0.2, -6.05, 0.2);
@@ -136,7 +136,7 @@ TEST(HandoverHits, CountersSaturate) {
   EXPECT_EQ(leaf_at(map.content(), p).observed.hits, 3);
 }
 
-TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
+TEST(HandoverHits, EvictedContentKeepsItsObservedHits) {
   const Vec3 seen(5.05, 0.2, 0.2);
   LocalMap map(small_config());
   for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
@@ -146,7 +146,7 @@ TEST(HandoverHits, WhatLeftTheWindowKeepsItsOwn) {
   EXPECT_EQ(leaf_at(map.take_evicted(), seen).observed.hits, 4);
 }
 
-TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
+TEST(HandoverFree, OnlyVoxelsCrossedSinceTheLastHandoverCountAsObserved) {
   const Vec3 first(5.05, 0.2, 0.2);
   const Vec3 other(0.2, 6.05, 0.2);
   LocalMap map(small_config());
@@ -158,11 +158,11 @@ TEST(HandoverFree, OnlyWhatRaysCrossedSinceTheLastHandoverIsOwn) {
   const MapContent after = map.hand_over();
   EXPECT_TRUE(is_observed_free(after, {3.0, 0.2, 0.2}));
   EXPECT_FALSE(is_observed_free(after, {0.2, 3.0, 0.2}));
-  EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), VoxelState::kFree);  // remembered nevertheless
+  EXPECT_EQ(state_at(after, {0.2, 3.0, 0.2}), VoxelState::kFree);  // the voxel is remembered as free
   EXPECT_FALSE(is_observed_free(map.content(), {3.0, 0.2, 0.2}));
 }
 
-TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
+TEST(HandoverFree, DoesNotHoldVoxelsThatWereHitButAreFreeByOlderScans) {
   const Vec3 place(3.0, 0.2, 0.2);
   LocalMap map(small_config());
   for (int i = 0; i < 30; ++i) insert_from(&map, kOrigin, {{5.05, 0.2, 0.2}});
@@ -174,14 +174,14 @@ TEST(HandoverFree, IsNotWhereHitsOfTheSubmapAreOutvotedByOlderScans) {
   EXPECT_TRUE(is_observed_free(content, {2.0, 0.2, 0.2}));
 }
 
-TEST(HandoverFree, BelongsToWhatWasMarkedAndToWhatLeftTheWindow) {
+TEST(HandoverFree, HoldsMarkedVoxelsAndIsKeptByEvictedContent) {
   const Vec3 marked(2.0, 2.0, 0.2);
   const Vec3 seen(5.05, 0.2, 0.2);
   LocalMap map(small_config());
   for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
   map.mark_free(marked, 0.5);
   map.hand_over();
-  map.mark_free(marked, 0.5);  // free already, yet looked at again
+  map.mark_free(marked, 0.5);  // the voxels are free already, but this counts as a new observation
   for (int i = 0; i < 5; ++i) insert_from(&map, kOrigin, {seen});
   EXPECT_TRUE(is_observed_free(map.content(), marked));
   insert_from(&map, Vec3(60.2, 0.2, 0.2), {});

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "occupancy/log_odds.hpp"
-#include "other_version.hpp"
+#include "resealed.hpp"
 #include "scan_maker.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 

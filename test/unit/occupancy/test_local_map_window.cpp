@@ -30,7 +30,7 @@ void fly(LocalMap* map, int scans, double step) {
 
 }  // namespace
 
-TEST(LocalMapWindow, WhatLeavesTheWindowIsHandedOutOnce) {
+TEST(LocalMapWindow, EvictedContentIsReturnedOnce) {
   LocalMapConfig config = small_config();
   LocalMap map(config);
   const Vec3 origin(0.2, 0.2, 0.2);
@@ -58,7 +58,7 @@ TEST(LocalMapWindow, HoveringAcrossABlockBorderEvictsNothing) {
   EXPECT_EQ(evicted, 0u);
 }
 
-TEST(LocalMapWindow, AJumpClearsAndHandsOutEverything) {
+TEST(LocalMapWindow, AJumpClearsTheMapAndEvictsEverything) {
   LocalMap map(small_config());
   fly(&map, 5, 0.3);
   const auto known = map.content();

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "other_version.hpp"
+#include "resealed.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -79,7 +79,7 @@ TEST(MapContent, BytesOfAnotherVersionAreRefusedWithBothVersions) {
             "map content has version 3 of its format; this program reads version 1 only");
 }
 
-TEST(MapContent, MergePrefersWhatTheNewerKnows) {
+TEST(MapContent, MergePrefersKnownVoxelsOfTheNewerContent) {
   const MapContent older = random_content(2);
   const MapContent newer = random_content(3);
   MapContent merged = older;
@@ -96,7 +96,7 @@ TEST(MapContent, MergePrefersWhatTheNewerKnows) {
   EXPECT_EQ(MapContent::from_bytes(merged.to_bytes()).num_occupied(), merged.num_occupied());
 }
 
-TEST(MapContent, OwnFreeSpaceThatIsNotFreeIsRefused) {
+TEST(MapContent, ObservedFreeSpaceThatIsNotFreeIsRefused) {
   MapContent content = random_content(1);
   ContentBlock& block = content.blocks.front();
   int offset = 0;

@@ -75,7 +75,7 @@ TEST(OctomapExport, OtherEndingsAreRefused) {
   EXPECT_THROW(occupancy::save_octomap(some_map(), "/nonexistent/map.ot"), std::runtime_error);
 }
 
-TEST(OctomapExport, WhatWasExportedIsImported) {
+TEST(OctomapExport, ImportRestoresTheExportedStates) {
   const occupancy::LocalMap map = some_map();
   const std::string base = testing::TempDir() + "voxnav_octomap_import";
   for (const char* ending : {".ot", ".bt"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Files that OctoMap itself writes and reads, with leaves of every size and far from the origin.
+// Files that OctoMap itself writes and reads, with leaves of every size and far from the origin.
 #include <gtest/gtest.h>
 #include <octomap/octomap.h>
 
@@ -23,14 +23,14 @@ namespace {
 constexpr double kResolution_m = 0.2;
 constexpr int kOrigin = 1 << 15;
 
-/// A file that is gone when the test ends.
+/// A file that is removed when the test ends.
 struct TemporaryFile {
   explicit TemporaryFile(const std::string& name) : path(testing::TempDir() + "voxnav_octomap_" + name) {}
   ~TemporaryFile() { std::remove(path.c_str()); }
   std::string path;
 };
 
-/// One leaf for all 2^48 voxels.
+/// Returns a tree in which one leaf stands for all 2^48 voxels.
 std::unique_ptr<octomap::OcTree> single_leaf(float log_odds) {
   auto tree = std::make_unique<octomap::OcTree>(kResolution_m);
   std::stringstream bytes;
@@ -40,7 +40,7 @@ std::unique_ptr<octomap::OcTree> single_leaf(float log_odds) {
   return tree;
 }
 
-/// Splits towards a key down to the finest level; what branches off is a leaf or unknown, at random.
+/// Splits the tree towards a key down to the finest level. Each branch beside the path is a leaf or unknown, at random.
 void split_towards(const octomap::OcTreeKey& key, std::mt19937* random, octomap::OcTree* tree) {
   octomap::OcTreeNode* node = tree->getRoot();
   for (int depth = 0; depth < 16; ++depth) {
@@ -79,7 +79,7 @@ occupancy::LocalMapConfig small_window() {
   return config;
 }
 
-/// Compares every voxel of the window, and the counts, with what OctoMap says.
+/// Compares every voxel of the window, and the counts, with the tree of OctoMap.
 void expect_loaded(const octomap::OcTree& tree, const std::string& path, const Vec3& center) {
   occupancy::OctomapCounts counts;
   const occupancy::LocalMap map = occupancy::load_octomap(path, small_window(), center, &counts);
@@ -101,7 +101,7 @@ void expect_loaded(const octomap::OcTree& tree, const std::string& path, const V
   EXPECT_EQ(counts.not_finite, 0u);
 }
 
-/// A few surfaces and free voxels around a place.
+/// Returns a map with a few surfaces and free voxels around a place.
 occupancy::LocalMap map_around(const Vec3& center) {
   occupancy::LocalMap map(small_window());
   map.place_window(center);

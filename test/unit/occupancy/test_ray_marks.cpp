@@ -39,7 +39,7 @@ std::set<Index3> marked(const ScanBox& box, const RayMarks& marks) {
   return out;
 }
 
-/// How much of the segment lies in a voxel that is `grow` larger on each side.
+/// Returns the length of the segment's part inside a voxel that is enlarged by `grow` on each side.
 double length_inside(const Vec3& a, const Vec3& b, const Index3& voxel, double grow) {
   double begin = 0.0, end = 1.0;
   const Vec3 way = b - a;
@@ -54,10 +54,10 @@ double length_inside(const Vec3& a, const Vec3& b, const Index3& voxel, double g
     begin = std::max(begin, std::min(t0, t1));
     end = std::min(end, std::max(t0, t1));
   }
-  return end > begin ? (end - begin) * way.norm() + 1e-9 : 0.0;  // a point is inside, too
+  return end > begin ? (end - begin) * way.norm() + 1e-9 : 0.0;  // a segment of length 0 counts as inside too
 }
 
-/// Every voxel that the segment really crosses is marked, and none that it does not even touch.
+/// Expects that every voxel that the segment crosses is marked, and no voxel that it does not even touch.
 void expect_segment(const std::set<Index3>& voxels, const Vec3& a, const Vec3& b) {
   constexpr double kTouch = 1e-3;
   for (const Index3& v : voxels) EXPECT_GT(length_inside(a, b, v, kTouch), 0.0) << v.x << " " << v.y << " " << v.z;
@@ -92,7 +92,7 @@ TEST(RayMarks, MarksWhatASegmentCrosses) {
     for (int trial = 0; trial < 12; ++trial) {
       const Vec3 origin = random_point(&rng);
       Vec3 end = random_point(&rng);
-      if (trial % 4 == 1) end[trial % 3] = origin[trial % 3];  // in a plane of the grid
+      if (trial % 4 == 1) end[trial % 3] = origin[trial % 3];  // perpendicular to an axis
       if (trial % 4 == 2) end = origin + Vec3::Unit(trial % 3) * (end - origin)[trial % 3];
       if (trial == 11) end = origin;
       cast(&marks, box, {end.cast<float>()}, origin);
@@ -101,13 +101,13 @@ TEST(RayMarks, MarksWhatASegmentCrosses) {
   });
 }
 
-TEST(RayMarks, ManyRaysMarkWhatEachOfThemMarks) {
+TEST(RayMarks, ManyRaysMarkTheUnionOfTheirVoxels) {
   test::with_every_instruction_set([] {
     const ScanBox box(kWindow, {1, 0, 1}, {kWindow[0] - 1, kWindow[1] - 1, kWindow[2] - 2});
     std::mt19937 rng(4);
     const Vec3 origin(50.0, 40.0, 30.0);
     std::vector<geometry::Vec3f> ends;
-    while (ends.size() < 37) {  // no multiple of the rays that are walked at once
+    while (ends.size() < 37) {  // not a multiple of the number of rays that are walked at once
       const Vec3 end = random_point(&rng);
       if (end.x() >= 17.0 && end.z() >= 17.0 && end.z() < 16.0 * (kWindow[2] - 1) - 1.0)
         ends.push_back(end.cast<float>());

@@ -41,7 +41,7 @@ TEST(ImuBuffer, SubtractsTheBias) {
   EXPECT_NEAR(odometry::log_so3(*turned).z(), 0.5, 1e-9);
 }
 
-TEST(ImuBuffer, SaysNothingAboutTimesItDidNotSee) {
+TEST(ImuBuffer, ReturnsNothingForTimesWithoutSamples) {
   const ImuBuffer buffer = spinning(Vec3::UnitZ(), 100, 500);
   EXPECT_FALSE(buffer.rotation(0, 300000000, Vec3::Zero(), 0.02));
   EXPECT_FALSE(buffer.rotation(300000000, 900000000, Vec3::Zero(), 0.02));
@@ -81,7 +81,7 @@ TEST(ImuBuffer, ASampleFarAheadDoesNotSilenceTheOthers) {
   }
 }
 
-TEST(ImuBuffer, FollowsAClockThatIsSetAnew) {
+TEST(ImuBuffer, FollowsAClockThatIsReset) {
   for (const double jump_s : {3600.0, -50.0}) {
     const base::StampNs jump_ns = base::from_seconds(jump_s);
     ImuBuffer buffer = spinning(Vec3::UnitZ(), 0, 200);

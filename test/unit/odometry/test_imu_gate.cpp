@@ -8,7 +8,7 @@ namespace {
 using namespace voxnav;  // NOLINT: test
 using odometry::ImuGate;
 
-/// A sweep of 0.1 s.
+/// Returns a sweep of 0.1 s.
 cloud::Sweep sweep_at(double stamp_s) {
   cloud::Sweep out;
   out.start_ns = base::from_seconds(stamp_s);
@@ -28,7 +28,7 @@ TEST(ImuGate, ASweepWaitsForTheSamplesThatCoverIt) {
   EXPECT_FALSE(gate.next(0.0));
 }
 
-TEST(ImuGate, NobodyWaitsForAnImuThatIsSilentOrUnknownOrNotUsed) {
+TEST(ImuGate, SweepsDoNotWaitForAnImuThatIsSilentUnknownOrNotUsed) {
   ImuGate unknown({true, 0.5, 0.03});
   unknown.add(sweep_at(10.0), 0.0);
   EXPECT_TRUE(unknown.next(0.0));
@@ -42,7 +42,7 @@ TEST(ImuGate, NobodyWaitsForAnImuThatIsSilentOrUnknownOrNotUsed) {
   EXPECT_TRUE(unused.next(0.0));
 }
 
-TEST(ImuGate, NobodyWaitsForEver) {
+TEST(ImuGate, SweepsWaitForALimitedTime) {
   ImuGate gate({true, 0.5, 0.03});
   gate.note_imu(base::from_seconds(10.0));
   gate.add(sweep_at(10.0), 5.0);

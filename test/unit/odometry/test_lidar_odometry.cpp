@@ -25,7 +25,7 @@ Pose pose_at(const Vec3& position, double yaw, double roll = 0.0) {
   return pose;
 }
 
-/// Smooth flight with turns; starts at the identity, at rest and without acceleration.
+/// Returns the pose on a smooth flight with turns, which starts at the identity, at rest and without acceleration.
 Pose flight(double time) {
   const double t = time > 0 ? time * time / (1 + time) : 0.0;
   return pose_at(Vec3(2.0 * (1 - std::cos(0.8 * t)), 1.2 * (1 - std::cos(0.6 * t)), 0.4 * (1 - std::cos(t))),
@@ -34,7 +34,8 @@ Pose flight(double time) {
 
 base::StampNs stamp_of(double t) { return base::from_seconds(1000.0 + t); }
 
-/// Gyro and specific force of a motion, by differences. g_mps2: what the IMU calls gravity.
+/// Feeds angular velocity and specific force of a motion, which are computed by differences.
+/// @param g_mps2  the magnitude of gravity that the IMU measures
 void feed_imu(const Motion& motion, double from_s, double to_s, LidarOdometry* o, double g_mps2 = 9.81) {
   constexpr double h = 1e-4;
   for (int i = static_cast<int>(std::lround(from_s * 200)); i < std::lround(to_s * 200); ++i) {
@@ -61,7 +62,7 @@ double angle_error(const OdometryResult& r, const Pose& truth) {
   return Eigen::AngleAxisd(r.T_O_B.linear().transpose() * truth.linear()).angle();
 }
 
-/// Scan of something that has nothing to do with the map.
+/// Returns a scan that does not match the map.
 std::vector<geometry::Vec3f> garbage(std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> in(-40, 40);
@@ -209,7 +210,7 @@ TEST(LidarOdometry, CoastsThroughGarbageWithoutAJumpAndRecovers) {
   EXPECT_LT(before.covariance(0, 0), 0.01);
 }
 
-/// A long street with pillars at uneven distances on both sides.
+/// Returns a long street with pillars at irregular intervals on both sides.
 RoomWorld street() {
   RoomWorld w;
   w.room = {Vec3(-60, -12, -2), Vec3(400, 14, 30)};
@@ -222,7 +223,7 @@ RoomWorld street() {
 
 TEST(LidarOdometry, AFewPoorScansDoNotLoseAFastVehicle) {
   constexpr int kFirstPoor = 25, kNumScans = 40;
-  // Up to 14 m/s within two seconds, and straight on.
+  // The vehicle accelerates to 14 m/s within two seconds and goes straight on.
   const Motion drive = [](double t) { return pose_at(Vec3(t < 2 ? 3.5 * t * t : 14.0 * (t - 1.0), 0, 0), 0); };
   for (const int num_poor : {1, 3}) {
     LidarOdometry o{LidarOdometryConfig()};
@@ -275,7 +276,7 @@ TEST(LidarOdometry, BeginsANewMapAtTheCoastedPoseWhenTheOldOneIsLost) {
   EXPECT_EQ(o.counters().map_restarts, 1u);
   EXPECT_EQ(r.quality.state, OdometryState::kTracking) << r.quality.reason;
   EXPECT_LT(worst_step, 0.3);
-  EXPECT_GT(std::sqrt(r.covariance(0, 0)), 0.3);  // what the gap cost is not forgotten
+  EXPECT_GT(std::sqrt(r.covariance(0, 0)), 0.3);  // the uncertainty from the gap remains
 }
 
 TEST(LidarOdometry, ACorridorIsFlaggedAndNotDriftedAlong) {
@@ -309,7 +310,7 @@ TEST(LidarOdometry, RefusesOldStampsAndSurvivesAClockThatFallsBack) {
   EXPECT_EQ(o.counters().clouds_refused, 5u);
 }
 
-TEST(LidarOdometry, CountsPointsThatAreNoPoints) {
+TEST(LidarOdometry, CountsPointsThatAreNotFinite) {
   LidarOdometry o{LidarOdometryConfig()};
   auto scan = test::sweep_of(
       RoomWorld::hall(), [](double) { return Pose::Identity(); }, 0, 0.01, 1);

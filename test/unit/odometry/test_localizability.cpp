@@ -26,7 +26,7 @@ struct Matches {
   Localizability analyse() const { return odometry::analyse_localizability(list, 0.004, 0.004); }
 };
 
-/// Walls y = +-2, floor and ceiling of a corridor along x, normals with noise.
+/// Returns matches on walls, floor and ceiling of a corridor along x, whose normals have noise.
 Matches corridor(double normal_noise, bool with_end) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, normal_noise);
@@ -60,7 +60,7 @@ TEST(Localizability, OpenGroundHoldsHeightAndTiltOnly) {
   EXPECT_GT(std::abs(l.weak_rotations[0].z()), 0.99);
 }
 
-// The unit of length must not decide: the same scene ten times as large has the same information per match.
+// The result must not depend on the unit of length: a scene ten times as large has the same information per match.
 TEST(Localizability, DoesNotDependOnTheScaleOfTheScene) {
   Matches small, large;
   std::mt19937 random(9);

@@ -22,7 +22,7 @@ std::vector<Vec3f> random_points(int count, float half_side, std::uint32_t seed)
   return out;
 }
 
-/// Grid of points on the plane z = 0.
+/// Returns a grid of points on the plane z = 0.
 std::vector<Vec3f> floor_points(float step) {
   std::vector<Vec3f> out;
   for (float x = -2; x <= 2; x += step) {
@@ -36,7 +36,7 @@ TEST(PointMap, FindsTheNearestPointThatBruteForceFinds) {
   options.max_points_per_voxel = 40;
   options.voxel_size_m = 0.5;
   PointMap map(options);
-  const std::vector<Vec3f> points = random_points(300, 2.0F, 3);  // sparse: none is refused for being too near
+  const std::vector<Vec3f> points = random_points(300, 2.0F, 3);  // so sparse that no point is too near to another
   map.insert(points);
   std::vector<Vec3f> stored;
   for (const Vec3f& p : points) {
@@ -72,8 +72,8 @@ TEST(PointMap, FitsPlanesWithTheirNormal) {
   EXPECT_NEAR(point->anchor.z(), 0.0F, 1e-5F);
 }
 
-// A single ring of the sensor on the ground is a line that moves with the sensor: it must hold nothing.
-TEST(PointMap, BelievesUprightLinesButNotSensorRings) {
+// A ring of the sensor on the ground is a line that moves with the sensor, so it must not constrain the pose.
+TEST(PointMap, FitsUprightLinesButNotSensorRings) {
   for (bool upright : {true, false}) {
     PointMap map(PointMapOptions{});
     std::vector<Vec3f> line;
@@ -102,7 +102,7 @@ TEST(PointMap, StaysBoundedAndKeepsWhatIsNear) {
   EXPECT_NE(map.nearest(Vec3f(95, 0, 0), 1.2), nullptr);
 }
 
-TEST(PointMap, IgnoresPointsThatHaveNoVoxel) {
+TEST(PointMap, IgnoresPointsBeyondTheVoxelIndices) {
   PointMap map(PointMapOptions{});
   const float infinity = std::numeric_limits<float>::infinity();
   map.insert({Vec3f(std::nanf(""), 0, 0), Vec3f(infinity, 0, 0), Vec3f(1e9F, 0, 0)});

@@ -7,7 +7,7 @@
 
 using namespace voxnav;  // NOLINT: test
 
-TEST(Deskew, AStillWorldSeenInMotionBecomesStill) {
+TEST(Deskew, PointsOfAStaticWorldSeenInMotionAgreeAfterwards) {
   pipeline::SweepMotion motion;
   motion.T_O_L_start = geometry::from_position_yaw({1.0, 2.0, 3.0}, 0.2);
   motion.T_O_L_end = geometry::from_position_yaw({1.8, 2.2, 3.1}, 0.5);

@@ -58,17 +58,17 @@ TEST(Mapper, ASweepWaitsUntilPosesCoverIt) {
   mapper.add_sweep(sweep_at(0.02));
   EXPECT_TRUE(all_steps(&mapper).empty());
   mapper.add_pose(stamp_of(0.1), line(0.1));
-  EXPECT_TRUE(all_steps(&mapper).empty());  // the sweep ends later
+  EXPECT_TRUE(all_steps(&mapper).empty());  // the sweep ends after this pose
   mapper.add_pose(stamp_of(0.2), line(0.2));
   const auto steps = all_steps(&mapper);
   ASSERT_EQ(steps.size(), 1u);
   EXPECT_EQ(steps[0].fate, SweepFate::kMapped);
   EXPECT_EQ(steps[0].stamp_ns, stamp_of(0.02));
   EXPECT_GT(steps[0].statistics.cells_hit, 100u);
-  EXPECT_NEAR(steps[0].T_O_B.translation().x(), 1.5 * 0.07, 1e-3);  // halfway
+  EXPECT_NEAR(steps[0].T_O_B.translation().x(), 1.5 * 0.07, 1e-3);  // the pose in the middle of the sweep
 }
 
-TEST(Mapper, PutsPointsWhereTheyWereWhenTheySensorSawThem) {
+TEST(Mapper, DeskewsPointsByTheMotionWithinTheSweep) {
   Mapper mapper{MapperConfig()};
   for (int i = 0; i <= 60; ++i) mapper.add_pose(stamp_of(0.02 * i), line(0.02 * i));
   for (int i = 0; i < 10; ++i) {
@@ -91,7 +91,7 @@ TEST(Mapper, PutsPointsWhereTheyWereWhenTheySensorSawThem) {
   }
 }
 
-TEST(Mapper, DropsWhatWillNeverHaveAPoseAndWhatWaitsTooLong) {
+TEST(Mapper, DropsSweepsThatWillNeverHaveAPoseOrWaitTooLong) {
   Mapper mapper{MapperConfig()};
   mapper.add_pose(stamp_of(5.0), line(5.0));
   mapper.add_sweep(sweep_at(1.0), std::nullopt, 0.0);
@@ -109,7 +109,7 @@ TEST(Mapper, DropsWhatWillNeverHaveAPoseAndWhatWaitsTooLong) {
   EXPECT_EQ(steps[0].stamp_ns, stamp_of(6.0));
 }
 
-TEST(Mapper, TheOldestGivesWayWhenTooManyWait) {
+TEST(Mapper, DropsTheOldestSweepWhenTooManyWait) {
   MapperConfig config;
   config.max_pending_scans = 2;
   Mapper mapper{config};
@@ -120,7 +120,7 @@ TEST(Mapper, TheOldestGivesWayWhenTooManyWait) {
   EXPECT_EQ(steps[0].stamp_ns, stamp_of(0.0));
 }
 
-TEST(Mapper, DropsWhatStillWaitsWhenTheInputEnds) {
+TEST(Mapper, DropsSweepsThatStillWaitWhenTheInputEnds) {
   Mapper mapper{MapperConfig()};
   mapper.add_sweep(sweep_at(0.0));
   mapper.end_input();
@@ -181,7 +181,7 @@ TEST(Mapper, ClosesSubmapsOnTime) {
   EXPECT_EQ(mapper.finish("shutdown").size(), 1u);
 }
 
-TEST(Mapper, ItsOwnOdometryDeskewsAndFollows) {
+TEST(Mapper, DeskewsAndLocatesSweepsByItsOwnOdometry) {
   MapperConfig config;
   config.odometry.emplace();
   Mapper mapper{config};
@@ -191,7 +191,7 @@ TEST(Mapper, ItsOwnOdometryDeskewsAndFollows) {
     mapper.add_sweep(sweep_at(0.1 * i, motion));
     for (MapperStep& step : all_steps(&mapper)) steps.push_back(std::move(step));
   }
-  ASSERT_EQ(steps.size(), 19u);  // the end of a sweep is known when the next one begins
+  ASSERT_EQ(steps.size(), 19u);  // the pose at the end of a sweep is known only when the next sweep is tracked
   for (std::size_t i = 0; i < steps.size(); ++i) {
     EXPECT_EQ(steps[i].fate, SweepFate::kMapped);
     const Pose truth = motion(0.1 * static_cast<double>(i) + 0.05);

@@ -11,7 +11,7 @@ using pipeline::SubmapAssemblerConfig;
 
 namespace {
 
-/// A column of free voxels with an occupied one at its top, at x = column.
+/// Returns the content of a vertical column of free voxels with an occupied one at its top, at x = column.
 occupancy::MapContent column_of(int column) {
   test::ContentBuilder builder(0.4);
   for (int z = 0; z < 4; ++z) builder.set_free({column, 0, z});
@@ -31,7 +31,7 @@ Handover part_of(std::uint32_t id, bool is_final, occupancy::MapContent content)
   return handover;
 }
 
-/// Points on the ground 1.2 m below the sensor, as far as 4 m away.
+/// Returns points on the ground 1.2 m below the sensor, up to 4 m away.
 std::vector<geometry::Vec3f> ground() {
   std::vector<geometry::Vec3f> out;
   for (float x = -4.0f; x <= 4.0f; x += 0.2f) {
@@ -69,7 +69,7 @@ TEST(SubmapAssembler, FillsOneSubmapFromItsPartsAsIfTheyHadComeAtOnce) {
   EXPECT_EQ(assembler.num_open(), 0u);
 }
 
-TEST(SubmapAssembler, SaysWhatTheHandoverSaidOfTheSubmap) {
+TEST(SubmapAssembler, TakesIdPosesAndTimesFromTheHandover) {
   SubmapAssembler assembler{SubmapAssemblerConfig{}};
   const Handover handover = part_of(3, true, column_of(0));
   const auto entry = assembler.add(handover).submap;
@@ -85,7 +85,7 @@ TEST(SubmapAssembler, SaysWhatTheHandoverSaidOfTheSubmap) {
   EXPECT_TRUE(p_O.isApprox(geometry::Vec3(0.2, 0.2, 1.8), 1e-3));
 }
 
-TEST(SubmapAssembler, KeepsEarlyContentOfAFewSubmapsAndSaysWhichItGivesUp) {
+TEST(SubmapAssembler, KeepsEarlyContentOfAFewSubmapsAndNamesThoseItDrops) {
   SubmapAssemblerConfig config;
   config.max_open_submaps = 2;
   SubmapAssembler assembler{config};
@@ -97,7 +97,7 @@ TEST(SubmapAssembler, KeepsEarlyContentOfAFewSubmapsAndSaysWhichItGivesUp) {
   ASSERT_TRUE(result.dropped);
   EXPECT_NE(result.dropped->find("submap 4"), std::string::npos);
   EXPECT_EQ(assembler.num_open(), 2u);
-  // Its last part still makes a submap, of what it brings itself.
+  // The last part of the submap that was given up still makes a submap, of its own content alone.
   const auto late = assembler.add(part_of(4, true, column_of(60))).submap;
   ASSERT_TRUE(late);
   EXPECT_EQ(late->submap->occupied_points().size(), 1u);
@@ -116,7 +116,7 @@ TEST(SubmapAssembler, RefusesPartsOfAnotherResolutionAndGoesOn) {
   EXPECT_TRUE(assembler.add(part_of(2, true, column_of(0))).submap);
 }
 
-TEST(SubmapAssembler, NeedsRoomForOneOpenSubmap) {
+TEST(SubmapAssembler, RefusesALimitOfNoOpenSubmaps) {
   SubmapAssemblerConfig config;
   config.max_open_submaps = 0;
   EXPECT_THROW(SubmapAssembler{config}, std::invalid_argument);
@@ -142,7 +142,7 @@ TEST(SubmapAssembler, ClosesASubmapOfCloudsByItsAge) {
   EXPECT_FALSE(assembler.is_due());
   assembler.integrate(ground(), T_O_L, 1000 + 3 * kStep_ns);
   ASSERT_TRUE(assembler.is_due());
-  EXPECT_FALSE(assembler.add(part_of(9, true, column_of(0))).submap);  // the age alone closes
+  EXPECT_FALSE(assembler.add(part_of(9, true, column_of(0))).submap);  // only the age closes a submap of clouds
   const submap::SubmapEntry entry = assembler.close();
   EXPECT_EQ(entry.id, 0u);
   EXPECT_EQ(entry.start_ns, 1000);
@@ -179,7 +179,7 @@ TEST(SubmapAssembler, ClosesASubmapOfCloudsWithTheHandoversOfTheLocalMap) {
   EXPECT_EQ(entry->id, 5u);
   EXPECT_TRUE(entry->T_O_S.isApprox(handover.T_O_S));
   ASSERT_GT(entry->submap->occupied_points().size(), 50u);
-  // Distances along grazing rays are too large, by less than a voxel here.
+  // Distances along grazing rays are too large, but here by less than a voxel.
   const double voxel_m = submap::ProjectiveConfig{}.resolution_m;
   for (const geometry::Vec3f& p_S : entry->submap->occupied_points()) {
     EXPECT_NEAR((handover.T_O_S * p_S.cast<double>()).z(), 0.0, voxel_m);

@@ -87,7 +87,7 @@ TEST(SubmapScheduler, OldScansAreIgnoredAndTheHistoryIsBounded) {
   }
 }
 
-TEST(SubmapScheduler, EvictedContentIsMergedUnderTheNewest) {
+TEST(SubmapScheduler, TheContentOfTheMapReplacesEvictedContent) {
   SubmapScheduler scheduler(SubmapSchedulerConfig{});
   scheduler.add_scan(0, tilted(0.0, 0.0));
   scheduler.add_evicted(content_at(0, containers::VoxelState::kOccupied));
@@ -114,7 +114,7 @@ TEST(SubmapScheduler, TooMuchEvictedContentGoesEarly) {
   EXPECT_TRUE(scheduler.close("time", {})->content.blocks.empty());
 }
 
-TEST(SubmapScheduler, RestartedGoesOnWithIdsThatNobodyHasSeen) {
+TEST(SubmapScheduler, ContinuesWithUnusedIdsAfterARestart) {
   constexpr base::StampNs kStart_ns = 1700000000LL * 1000000000LL;
   SubmapScheduler first(SubmapSchedulerConfig{}, std::nullopt), second(SubmapSchedulerConfig{}, std::nullopt);
   std::uint32_t last_id = 0;

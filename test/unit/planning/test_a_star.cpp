@@ -63,7 +63,7 @@ TEST(AStar, UnknownIsForbiddenUnlessThePolicySaysOtherwise) {
   config.unknown_policy = UnknownPolicy::kPenalise;
   result = plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5});
   EXPECT_EQ(result.status, PlanStatus::kComplete);
-  EXPECT_DOUBLE_EQ(result.cost_m, 17.0 + 3.0);  // three cells at twice the cost
+  EXPECT_DOUBLE_EQ(result.cost_m, 17.0 + 3.0);  // three unknown cells cost twice as much
   config.unknown_policy = UnknownPolicy::kOptimisticFar;
   config.optimistic_range_m = 5.0;
   EXPECT_EQ(plan(grid, config, {1.5, 2.5, 2.5}, {18.5, 2.5, 2.5}).status, PlanStatus::kComplete);
@@ -182,7 +182,7 @@ TEST(AStar, BadConfigurationIsRefused) {
   EXPECT_THROW(planning::AStarPlanner{config}, base::ConfigError);
 }
 
-TEST(AStar, AFlagStopsItInThePlaceOfTheClock) {
+TEST(AStar, ACancelFlagStopsTheSearchWithoutAClock) {
   const auto grid = test::box_grid({0, 0, 0}, {60, 60, 30});
   test::fill(grid.get(), {30, 0, 0}, {30, 60, 29}, VoxelState::kOccupied);
   AStarConfig config = raw_config();

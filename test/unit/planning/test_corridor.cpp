@@ -52,7 +52,7 @@ TEST(Corridor, FindsTheFirstTouchOfAWallExactly) {
 
 TEST(Corridor, IsThreeDimensional) {
   const auto grid = test::box_grid({-20, -20, -20}, {60, 20, 20}, 0.4);
-  grid->set({25, 0, 2}, VoxelState::kOccupied);  // a branch above the way: its lower face is at 0.8 m
+  grid->set({25, 0, 2}, VoxelState::kOccupied);  // a branch above the path, whose lower face is at 0.8 m
   const planning::StateGridView view(grid);
   EXPECT_FALSE(check_corridor(view, {{0, 0.2, 0}, {20, 0.2, 0}}, 0.81).is_safe);
   EXPECT_TRUE(check_corridor(view, {{0, 0.2, 0}, {20, 0.2, 0}}, 0.79).is_safe);

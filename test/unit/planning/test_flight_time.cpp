@@ -46,7 +46,7 @@ TEST(FlightTime, CutEndsInsideAPieceExactlyAtTheTime) {
   EXPECT_EQ(planning::cut_at_time(line, kLimits, 0.2, 100.0).size(), line.size());
 }
 
-TEST(FlightTime, CutAtLengthKeepsTheWay) {
+TEST(FlightTime, CutAtALengthKeepsThePathBeforeIt) {
   const std::vector<Vec3> line = {{0, 0, 0}, {3, 0, 0}, {3, 4, 0}};
   const auto cut = planning::cut_at_length(line, 5.0);
   ASSERT_EQ(cut.size(), 3u);

@@ -12,7 +12,7 @@ using planning::Trajectory;
 
 namespace {
 
-/// 2 m/s along x for 10 s.
+/// Returns a trajectory along x at 2 m/s for 10 s.
 Trajectory cruise() {
   std::vector<Vec3> points;
   for (int i = 0; i <= 50; ++i) points.emplace_back(0.4 * i, 0.0, 0.0);
@@ -50,7 +50,7 @@ TEST(Trajectory, StopsAtAnArcWithBoundedDeceleration) {
 }
 
 TEST(Trajectory, RefusesToStopWhereItCannot) {
-  EXPECT_FALSE(cruise().stopped_at(4.0, 5.5, 1.0).has_value());  // needs 2 m
+  EXPECT_FALSE(cruise().stopped_at(4.0, 5.5, 1.0).has_value());  // stopping needs 2 m
   EXPECT_FALSE(cruise().stopped_at(4.0, 3.0, 1.0).has_value());
   EXPECT_TRUE(cruise().stopped_at(4.0, 6.1, 1.0).has_value());
 }

@@ -56,8 +56,8 @@ TEST(Conversions, PosesComeBackAsTheyWere) {
   }
 }
 
-TEST(Conversions, APoseMessageTakesCoordinatesAsRosSaysItDoes) {
-  // A quarter turn to the left: x forward becomes y.
+TEST(Conversions, APoseMessageMapsCoordinatesFromItsChildToItsParent) {
+  // A quarter turn to the left maps x to y.
   const auto pose = from_msg(message_of(1.0, 2.0, 3.0, 0.0, 0.0, std::sqrt(0.5), std::sqrt(0.5)));
   ASSERT_TRUE(pose);
   EXPECT_TRUE((*pose * geometry::Vec3(1.0, 0.0, 0.0)).isApprox(geometry::Vec3(1.0, 3.0, 3.0), 1e-12));
@@ -70,8 +70,8 @@ TEST(Conversions, ASlightlyWrongQuaternionIsNormalised) {
   EXPECT_NEAR(geometry::yaw_of(*pose), 2.0 * std::atan2(0.6, 0.8), 1e-12);
 }
 
-TEST(Conversions, WhatIsNoPoseIsNotTakenForOne) {
-  EXPECT_FALSE(from_msg(geometry_msgs::Pose{}));  // the quaternion of an empty message is zero
+TEST(Conversions, InvalidPosesAreRefused) {
+  EXPECT_FALSE(from_msg(geometry_msgs::Pose{}));  // a message that was not filled has a zero quaternion
   EXPECT_FALSE(from_msg(geometry_msgs::Transform{}));
   EXPECT_FALSE(from_msg(message_of(kNan, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)));
   EXPECT_FALSE(from_msg(message_of(0.0, kInf, 0.0, 0.0, 0.0, 0.0, 1.0)));

@@ -31,7 +31,7 @@ TEST(GridConversions, AnUpdateComesBackAsItWas) {
   EXPECT_EQ(back.states, update.states);
 }
 
-TEST(GridConversions, TheMessageSaysWhereWhenAndWhich) {
+TEST(GridConversions, TheMessageHoldsFrameStampAndSequence) {
   const msg::GridUpdate msg = to_msg(example(), {"uav1/voxnav_map", 1500000001LL, 42, 0.25});
   EXPECT_EQ(msg.header.frame_id, "uav1/voxnav_map");
   EXPECT_EQ(to_ns(msg.header.stamp), 1500000001LL);
@@ -40,7 +40,7 @@ TEST(GridConversions, TheMessageSaysWhereWhenAndWhich) {
   EXPECT_TRUE(msg.is_snapshot);
 }
 
-TEST(GridConversions, BrokenLengthsAreLeftToWhoAppliesThem) {
+TEST(GridConversions, ListsOfWrongLengthAreRefusedByTheGrid) {
   containers::GridUpdate update = example();
   update.block_indices.push_back(0);
   const containers::GridUpdate back = from_msg(to_msg(update, {"map", 0, 0, 0.4}));

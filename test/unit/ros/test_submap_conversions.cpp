@@ -57,7 +57,7 @@ msg::SubmapPoses poses_of_two() {
 
 }  // namespace
 
-TEST(SubmapConversions, AHandoverSaysWhatItsMessageSays) {
+TEST(SubmapConversions, AHandoverHoldsWhatItsMessageHolds) {
   const voxnav::pipeline::Handover out = from_msg(handover());
   EXPECT_EQ(out.submap_id, 3u);
   EXPECT_TRUE(out.is_final);
@@ -126,7 +126,7 @@ TEST(SubmapConversions, InvalidPosesAreNamed) {
   }
 }
 
-TEST(SubmapConversions, SubmapsAreRigidWhereTheMessageSaysNothingOfBends) {
+TEST(SubmapConversions, SubmapsAreRigidIfTheMessageHasNoBends) {
   const std::vector<geometry::Bend> bends = bends_of(poses_of_two());
   ASSERT_EQ(bends.size(), 2u);
   EXPECT_TRUE(bends[0].is_rigid() && bends[1].is_rigid());

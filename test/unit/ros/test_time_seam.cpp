@@ -25,14 +25,14 @@ TEST(InputClock, StandsStillWhileTheNodeWorks) {
   EXPECT_EQ(clock.now_s() - begin_s, 0.0);
 }
 
-TEST(InputClock, IsNotTakenBackByInputsThatWereOvertaken) {
+TEST(InputClock, DoesNotGoBackForLateInputs) {
   InputClock clock;
   clock.reach(ros::Time(100, 0));
   clock.reach(ros::Time(99, 200000000));
   EXPECT_DOUBLE_EQ(clock.now_s(), 100.0);
 }
 
-TEST(InputClock, FollowsASimulationThatBeginsAnew) {
+TEST(InputClock, FollowsASimulationThatRestarts) {
   InputClock clock;
   clock.reach(ros::Time(100, 0));
   clock.reach(ros::Time(1, 0));
@@ -41,7 +41,7 @@ TEST(InputClock, FollowsASimulationThatBeginsAnew) {
   EXPECT_DOUBLE_EQ(clock.now_s(), 1.5);
 }
 
-TEST(SteadyClock, GoesByItselfWhateverTheInputsSay) {
+TEST(SteadyClock, DoesNotDependOnTheInputs) {
   SteadyClock clock;
   const double begin_s = clock.now_s();
   clock.reach(ros::Time(4000000000, 0));

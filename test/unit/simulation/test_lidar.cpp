@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-/// No errors at all; tests add the one they look at.
+/// Returns a sensor without errors, to which each test adds the error that it checks.
 LidarConfig perfect_lidar() {
   LidarConfig config;
   config.columns = 256;
@@ -65,14 +65,14 @@ TEST(LidarModel, PerfectReturnsLieOnTheirSurfaceInTheOrderOfAnImage) {
       }
       EXPECT_NEAR(scan.points[i][2], -2.0, 2e-3);
       EXPECT_NEAR(point(scan, i).norm(), scan.ranges_m[i], 1e-3);
-      // Column 0 looks back, the sensor turns clockwise seen from above.
+      // Column 0 looks backwards, and the sensor turns clockwise as seen from above.
       const double azimuth = M_PI - 2.0 * M_PI * column / 256;
       EXPECT_NEAR(voxnav::geometry::wrap_angle(std::atan2(scan.points[i][1], scan.points[i][0]) - azimuth), 0.0, 1e-4);
     }
   }
 }
 
-TEST(LidarModel, RangeNoiseHasTheAskedDeviation) {
+TEST(LidarModel, RangeNoiseHasTheConfiguredDeviation) {
   const Scene scene(World(empty_world(), 1));
   LidarConfig config = perfect_lidar();
   const LidarScan truth = scan_from(config, scene, at_height(2.0));
@@ -92,7 +92,7 @@ TEST(LidarModel, RangeNoiseHasTheAskedDeviation) {
   EXPECT_NEAR(std::sqrt(squares / count), 0.03, 0.001);
 }
 
-TEST(LidarModel, LosesTheAskedShareOfReturns) {
+TEST(LidarModel, LosesTheConfiguredShareOfReturns) {
   const Scene scene(World(empty_world(), 1));
   LidarConfig config = perfect_lidar();
   const double all = static_cast<double>(count_label(scan_from(config, scene, at_height(2.0)), 0));
@@ -101,12 +101,12 @@ TEST(LidarModel, LosesTheAskedShareOfReturns) {
   EXPECT_NEAR(kept / all, 0.8, 4 * std::sqrt(0.2 * 0.8 / all));
 }
 
-TEST(LidarModel, GhostsAreNearWeakAndAsManyAsAsked) {
+TEST(LidarModel, GhostsAreNearWeakAndAsFrequentAsConfigured) {
   const Scene scene(World(empty_world(), 1));
   LidarConfig config = perfect_lidar();
   config.ghost_ratio = 0.05;
   config.sun_half_angle_rad = 3.1416;
-  const LidarScan scan = scan_from(config, scene, at_height(5.0));  // everything is farther than a ghost
+  const LidarScan scan = scan_from(config, scene, at_height(5.0));  // all surfaces are farther away than ghosts
   EXPECT_NEAR(static_cast<double>(count_label(scan, kLabelGhost)) / scan.labels.size(), 0.05,
               4 * std::sqrt(0.05 * 0.95 / scan.labels.size()));
   for (std::size_t i = 0; i < scan.labels.size(); ++i) {
@@ -152,7 +152,7 @@ TEST(LidarModel, SeesItsOwnBodyWhereItIs) {
   LidarConfig config = perfect_lidar();
   config.mount_position_m = {0.0, 0.0, 0.2};
   config.mount_rpy_rad = {0.0, 0.0, M_PI / 2};
-  config.body_capsules_m = {1.0, 0.0, 0.2, 1.0, 0.0, 0.2, 0.1};  // a ball in front of the body
+  config.body_capsules_m = {1.0, 0.0, 0.2, 1.0, 0.0, 0.2, 0.1};  // a ball ahead of the body
   const LidarScan scan = scan_from(config, scene, at_height(30.0));
   EXPECT_GT(count_label(scan, kLabelOwnBody), 10u);
   for (std::size_t i = 0; i < scan.labels.size(); ++i) {
@@ -203,7 +203,7 @@ TEST(LidarModel, ReturnsOfAForestLieOnItsMesh) {
   }
 }
 
-/// Root mean square height over level ground of all returns, placed with one pose per column.
+/// Returns the root mean square height of all returns over level ground if each column has the given pose.
 double flatness(const LidarScan& scan, const std::vector<Pose>& T_W_L) {
   double squares = 0;
   int count = 0;
@@ -218,7 +218,7 @@ double flatness(const LidarScan& scan, const std::vector<Pose>& T_W_L) {
   return std::sqrt(squares / count);
 }
 
-TEST(LidarModel, MotionWithinATurnBendsTheScanUntilItIsUndone) {
+TEST(LidarModel, MotionWithinATurnDistortsTheScanUntilItIsDeskewed) {
   const Scene scene(World(empty_world(), 1));
   const LidarConfig config = perfect_lidar();
   Pose end = voxnav::geometry::from_position_yaw({0.5, 0.1, 4.3}, 0.2);

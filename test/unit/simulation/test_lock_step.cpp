@@ -26,7 +26,7 @@ TEST(LockStep, WaitsForTheSlowestNode) {
   EXPECT_EQ(lock.missing(1101 * kMs), Names{"a"});
 }
 
-TEST(LockStep, OlderReportsDoNotTakeBackNewerOnes) {
+TEST(LockStep, OlderReportsDoNotReplaceNewerOnes) {
   LockStep lock({{"a"}, 0, 0, ""});
   lock.report("a", 1000 * kMs);
   lock.report("a", 500 * kMs);
@@ -69,7 +69,7 @@ TEST(LockStep, AnnouncedWorkHoldsTimeUntilItIsDone) {
   EXPECT_TRUE(lock.missing(710 * kMs).empty());
 }
 
-TEST(LockStep, TheLeaderSaysHowFarTimeRuns) {
+TEST(LockStep, TheLeaderLimitsHowFarTimeRuns) {
   LockStep lock({{}, 100 * kMs, 100 * kMs, "mission"});
   EXPECT_TRUE(lock.is_waiting_for_leader());
   EXPECT_EQ(lock.missing(10 * kMs), Names{"mission"});

@@ -14,7 +14,7 @@ Vec3 random_vector(Rng* rng, double reach) {
   return {rng->uniform(-reach, reach), rng->uniform(-reach, reach), rng->uniform(-reach, reach)};
 }
 
-TEST(Scene, PlaneIsMetWhereGeometrySays) {
+TEST(Scene, RaysMeetAPlaneAtTheExactRange) {
   const Scene scene(World(empty_world(), 1));
   Rng rng(1);
   for (int i = 0; i < 300; ++i) {
@@ -80,7 +80,7 @@ TEST(Scene, ClearanceAgreesWithBruteForce) {
   }
 }
 
-TEST(Scene, RefusesToMeasureFromNowhere) {
+TEST(Scene, RefusesToMeasureFromAPointThatIsNotFinite) {
   const Scene scene(World(empty_world(), 1));
   EXPECT_THROW(scene.clearance({std::nan(""), 0, 0}, 1.0), std::invalid_argument);
   EXPECT_THROW(scene.clearance({0, 0, 0}, -1.0), std::invalid_argument);

@@ -23,7 +23,7 @@ LidarModel small_model() {
   return LidarModel(config, 1);
 }
 
-/// Flies along x at 1 m/s; truth at 200 Hz.
+/// Returns the true pose of a flight along x at 1 m/s.
 StampedPose truth_at(StampNs stamp_ns) {
   return {stamp_ns, voxnav::geometry::from_position_yaw({1e-9 * static_cast<double>(stamp_ns), 0, 0}, 0)};
 }
@@ -51,7 +51,7 @@ TEST(SweepScheduler, TurnsStartAtWholeMultiplesAndSeeThePoseOfEachColumn) {
   }
 }
 
-TEST(SweepScheduler, ComesAsSoonAsTruthCoversTheTurn) {
+TEST(SweepScheduler, ReturnsATurnAsSoonAsTruePosesCoverIt) {
   const LidarModel model = small_model();
   SweepScheduler scheduler(&model, false);
   EXPECT_TRUE(feed(&scheduler, 0, 95 * kMs).empty());
@@ -78,7 +78,7 @@ TEST(SweepScheduler, DoesNotInventMotionAcrossAGap) {
   EXPECT_EQ(scheduler.counts().truth_gaps, 1u);
 }
 
-TEST(SweepScheduler, StartsAnewWhenTimeIsSetBack) {
+TEST(SweepScheduler, RestartsWhenTimeIsSetBack) {
   const LidarModel model = small_model();
   SweepScheduler scheduler(&model, false);
   feed(&scheduler, 5000 * kMs, 5300 * kMs);
@@ -88,7 +88,7 @@ TEST(SweepScheduler, StartsAnewWhenTimeIsSetBack) {
   EXPECT_EQ(scheduler.counts().time_jumps, 1u);
 }
 
-TEST(SweepScheduler, RefusesPosesThatAreNone) {
+TEST(SweepScheduler, RefusesInvalidPoses) {
   const LidarModel model = small_model();
   SweepScheduler scheduler(&model, false);
   StampedPose broken = truth_at(0);
@@ -98,7 +98,7 @@ TEST(SweepScheduler, RefusesPosesThatAreNone) {
   EXPECT_EQ(scheduler.counts().poses_refused, 1u);
 }
 
-TEST(PoseHistory, AnswersOnlyWhatItKnows) {
+TEST(PoseHistory, InterpolatesWithinItsStampsAndReturnsNothingOutside) {
   PoseHistory history(3);
   EXPECT_FALSE(history.at(0).has_value());
   for (int i = 0; i < 5; ++i) history.add(truth_at(i * kMs));
@@ -108,7 +108,7 @@ TEST(PoseHistory, AnswersOnlyWhatItKnows) {
   EXPECT_FALSE(history.at(4 * kMs + 1).has_value()) << "not yet";
 }
 
-/// Two rows, two columns; pixel (1, 0) is a return, the others are none.
+/// Returns a scan of two rows and two columns whose only return is pixel (1, 0).
 LidarScan tiny_scan() {
   LidarScan scan;
   scan.rows = scan.columns = 2;

@@ -53,7 +53,7 @@ TEST(Tracker, KeepsLimitsUnderRandomCommands) {
       const double what = unit(random);
       if (what < 0.5) tracker.go_to({{place(random), place(random), place(random)}, place(random)});
       if (what > 0.8) tracker.brake();
-      if (what >= 0.5 && what <= 0.8) {  // points that no vehicle could fly
+      if (what >= 0.5 && what <= 0.8) {  // a trajectory that no vehicle could fly
         TrackedTrajectory wild;
         for (int i = 0; i < 20; ++i)
           wild.points.push_back({{place(random), place(random), place(random)}, place(random)});
@@ -148,7 +148,7 @@ TEST(Tracker, SkipsTheBeginningAndLoops) {
   tracker.reset(start);
   tracker.follow(circle);
   EXPECT_EQ(tracker.trajectory_index(), 25u);
-  fly(&tracker, 55);  // twenty seconds per round
+  fly(&tracker, 55);  // one round takes 20 s
   EXPECT_EQ(tracker.mode(), TrackerMode::kTrajectory);
   EXPECT_LT((tracker.state().position - circle.points[0].position).norm(), 0.2);
 }

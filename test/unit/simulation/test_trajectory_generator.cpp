@@ -31,7 +31,7 @@ TEST(TrajectoryGenerator, StraightLineReachesCruiseSpeedAndEndsAtRest) {
   for (std::size_t i = 1; i < out.samples.size(); ++i) {
     fastest = std::max(fastest, distance(out.samples[i], out.samples[i - 1]) / out.dt_s);
   }
-  EXPECT_GT(fastest, 3.7);  // of 4 m/s
+  EXPECT_GT(fastest, 3.7);  // the limit is 4 m/s
   EXPECT_LT(distance(out.samples[out.samples.size() - 2], out.samples.back()), 0.05);
 }
 
@@ -51,7 +51,7 @@ TEST(TrajectoryGenerator, ContinuesAStateInMotion) {
   const double t = out.dt_s;
   const Vec3 expected = start.position + start.velocity * t + 0.5 * t * t * start.acceleration;
   EXPECT_LT((out.samples[0].position - start.position).norm(), 1e-9);
-  EXPECT_LT((out.samples[1].position - expected).norm(), 1e-4);  // jerk adds 5e-5 at most
+  EXPECT_LT((out.samples[1].position - expected).norm(), 1e-4);  // the jerk adds 5e-5 at most
   EXPECT_NEAR(out.samples[1].heading_rad, 0.3 + 0.4 * t, 0.01);
   EXPECT_NEAR(out.samples.back().heading_rad, 1.0, 0.01);
 }
@@ -67,7 +67,7 @@ TEST(TrajectoryGenerator, StopsAtWaypointsWhenAsked) {
   EXPECT_LT(out.deviation_m, 1e-6);
 }
 
-TEST(TrajectoryGenerator, IsFasterWhenItMayCutCorners) {
+TEST(TrajectoryGenerator, IsFasterTheMoreItMayDeviateAtCorners) {
   PathRequest request = request_through({{{0, 0, 2}, 0}, {{10, 0, 2}, 0}, {{20, 5, 2}, 0}, {{30, 5, 2}, 0}});
   request.max_deviation_m = 0.05;
   const auto narrow = generate_trajectory({}, request);
@@ -121,7 +121,7 @@ TEST(TrajectoryGenerator, RefusesBadRequestsWithAReason) {
   EXPECT_NE(far.message.find("longer than"), std::string::npos);
   PathRequest request = request_through({{{0, 0, 0}, 0}, {{1, 0, 0}, 0}});
   request.max_deviation_m = nan;
-  EXPECT_TRUE(generate_trajectory({}, request).is_valid);  // not positive: the default deviation
+  EXPECT_TRUE(generate_trajectory({}, request).is_valid);  // NaN is not positive, so the default deviation is used
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ TEST(Uav, ImuHasBiasAndNoise) {
   EXPECT_LT(mean.norm(), 0.02);
 }
 
-TEST(Uav, LeansIntoItsAcceleration) {
+TEST(Uav, TiltsTowardsItsAcceleration) {
   const Eigen::Matrix3d R = attitude_of(Vec3(2, 0, 0), 0.7);
   EXPECT_LT((R.transpose() * R - Eigen::Matrix3d::Identity()).norm(), 1e-12);
   EXPECT_NEAR(std::atan2(R(1, 0), R(0, 0)), 0.7, 1e-12);

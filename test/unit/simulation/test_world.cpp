@@ -58,7 +58,7 @@ TEST(World, PlantsAsManyTreesAsAskedAndKeepsThemApart) {
   }
 }
 
-TEST(World, SaysHowManyTreesFoundRoomWhenNotAllDid) {
+TEST(World, CountsTheTreesThatFoundRoom) {
   WorldConfig config = small_world();
   config.tree_spacing_m = 12.0;
   const World world(config, 1);
@@ -97,20 +97,20 @@ TEST(World, StemsLieOnTheMesh) {
   for (const Stem& stem : scene.world().stems()) {
     const Rod& rod = stem.rod;
     const Vec3 axis = (rod.b - rod.a).normalized(), side = axis.cross(Vec3::UnitX()).normalized();
-    for (const double along_m : {1.0, 2.0, 3.0}) {  // above the ground, below the crown
+    for (const double along_m : {1.0, 2.0, 3.0}) {  // these lengths are above the ground and below the crown
       const double t = along_m / (rod.b - rod.a).norm();
       const double radius = rod.radius_a_m + t * (rod.radius_b_m - rod.radius_a_m);
       const Vec3 center = rod.a + t * (rod.b - rod.a);
       const auto nearest = scene.nearest(center + radius * side, 1.0);
       ASSERT_TRUE(nearest.has_value());
       EXPECT_LT(nearest->distance_m, 0.05 * radius + 1e-3);
-      // From inside, nothing but the stem's own surface may be near.
+      // Inside a stem the nearest surface must be its own.
       EXPECT_NEAR(scene.clearance(center, 1.0), radius, 0.06 * radius + 1e-3);
     }
   }
 }
 
-/// Can a sphere of this radius get from start to goal 2 m above the ground?
+/// Returns whether a sphere of this radius can move from start to goal 2 m above the ground.
 bool is_flyable(const Scene& scene, double radius_m) {
   const WorldConfig& c = scene.world().config();
   constexpr double kStepM = 0.5;
@@ -168,7 +168,7 @@ TEST(World, RefusesContradictions) {
   }
 }
 
-TEST(FlatYaml, ReadsWhatParameterSetsHold) {
+TEST(FlatYaml, ReadsAllKindsOfParameters) {
   const auto values =
       parse_flat_yaml("# text\na: 1\nb: -2.5e-1  # unit\nc: [1, 2.5]\nd: true\ne: \"x # y\"\nf: name\n", "t");
   EXPECT_EQ(values.at("a"), Value(std::int64_t{1}));
@@ -198,7 +198,7 @@ TEST(FlatYaml, NamesEveryLineItCannotRead) {
   EXPECT_THROW(load_world_config("/nowhere/at/all.yaml"), ConfigError);
 }
 
-TEST(FlatYaml, NamesTheLineOfWhatIsNoYaml) {
+TEST(FlatYaml, NamesTheLineOfASyntaxError) {
   EXPECT_EQ(problems_of("a: 1\nb\nc: {x: 1}\n").at(0).rfind("set.yaml:3: ", 0), 0u);
   EXPECT_EQ(problems_of("a: [1, 2\nb: 3\n").at(0).rfind("set.yaml:2: ", 0), 0u);
   EXPECT_EQ(problems_of("a: 1\n\tb: 2\n").at(0).rfind("set.yaml:2: ", 0), 0u);

@@ -20,7 +20,7 @@ inline std::vector<Vec3> differences(const std::vector<Vec3>& in, double dt_s) {
   return out;
 }
 
-/// Largest share of a limit used by speed, acceleration or jerk, by finite differences of positions.
+/// The largest shares of their limits that speed, acceleration and jerk reach, from finite differences of positions.
 struct Usage {
   double speed = 0;
   double acceleration = 0;

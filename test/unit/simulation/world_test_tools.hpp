@@ -7,7 +7,7 @@
 
 namespace voxnav_simulation {
 
-/// Level ground at height 0 and nothing on it.
+/// Returns a world of level ground at height 0 with nothing on it.
 inline WorldConfig empty_world() {
   WorldConfig config;
   config.min_corner_m = {-30.0, -30.0};
@@ -22,7 +22,7 @@ inline WorldConfig empty_world() {
   return config;
 }
 
-/// A small place with a few of everything: little enough for brute force.
+/// Returns a world with few objects of every kind, which is small enough for brute force.
 inline WorldConfig small_world() {
   WorldConfig config;
   config.min_corner_m = {-15.0, -15.0};
@@ -40,7 +40,8 @@ inline WorldConfig small_world() {
   return config;
 }
 
-/// Range along a unit direction to one triangle. Source: Moeller and Trumbore 1997, section 2.
+/// Returns the range along a unit direction to a triangle, or nothing if the ray misses it.
+/// Source: Möller and Trumbore, Fast, minimum storage ray/triangle intersection, Journal of Graphics Tools 1997.
 inline std::optional<double> ray_triangle(const Vec3& origin, const Vec3& d, const Vec3& a, const Vec3& b,
                                           const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, p = d.cross(ac);
@@ -59,7 +60,8 @@ inline double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a - t * (b - a)).norm();
 }
 
-/// By projection into the plane, else the nearest edge: another way than the one under test.
+/// Returns the distance from a point to a triangle by projection onto its plane or else to its nearest edge, which is
+/// another method than that of the code under test.
 inline double slow_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   double best = std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
   const Vec3 normal = (b - a).cross(c - a).normalized();
@@ -70,7 +72,7 @@ inline double slow_distance(const Vec3& p, const Vec3& a, const Vec3& b, const V
   return best;
 }
 
-/// All triangles of a scene, the vehicle where it stands.
+/// Returns all triangles of a scene, with the vehicle at its present pose.
 inline WorldMesh all_of(const Scene& scene) {
   WorldMesh mesh = scene.world().mesh();
   if (const auto pose = scene.vehicle_pose()) append_mesh(&mesh, scene.world().vehicle_mesh(), *pose);

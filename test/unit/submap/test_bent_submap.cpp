@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap whose pose drifted while it was made: what it saw early and late lies elsewhere than what it saw in between.
+// Submaps whose pose drifted while they were made, so that content observed early or late is moved by their bend.
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
@@ -21,7 +21,7 @@ const Pose kT_W_S = geometry::from_position_yaw({12.0, -3.0, 1.0}, -0.9);
 const Bend kBend{geometry::from_position_yaw({-0.5, 0.2, 0.05}, 0.02),
                  geometry::from_position_yaw({0.4, 0.3, 0.0}, -0.03)};
 
-/// Ground and posts on it along x, seen from one end to the other while time passes; free space above.
+/// Returns ground with posts and free space above, whose times of observation rise along x.
 occupancy::MapContent passage() {
   test::ContentBuilder builder(kVoxel);
   for (int x = -40; x < 40; ++x) {
@@ -53,7 +53,7 @@ SubmapEntry entry_of(std::uint32_t id, const Bend& bend) {
   return entry;
 }
 
-/// A map in which submap 2 counts with what it saw itself alone.
+/// Returns a map with submap 2. Submap 1 lies far away; as it exists, what submap 2 only remembers does not count.
 SubmapCollection map_of(const Bend& bend) {
   SubmapCollection out({});
   SubmapEntry before = entry_of(1, {});
@@ -77,7 +77,7 @@ double distance_to(const std::vector<Vec3>& points, const Vec3& p) {
   return nearest;
 }
 
-/// Every leaf by itself: the oracle.
+/// Returns the surface points in W that follow if each one is moved by the bend at its own time.
 std::vector<Vec3> bent_one_by_one(const Bend& bend) {
   std::vector<Vec3> out;
   for (const occupancy::ContentBlock& block : passage().blocks) {
@@ -91,7 +91,7 @@ std::vector<Vec3> bent_one_by_one(const Bend& bend) {
 
 }  // namespace
 
-TEST(BentSubmap, EveryPointMovesAsOfWhenItWasSeen) {
+TEST(BentSubmap, EveryPointIsMovedByTheBendAtItsTime) {
   SubmapCollection map = map_of(kBend);
   const std::vector<Vec3> points = points_of(&map);
   const std::vector<Vec3> expected = bent_one_by_one(kBend);
@@ -111,8 +111,8 @@ TEST(BentSubmap, FreeSpaceAbovePostsAndGroundMovesWithThem) {
   }
 }
 
-/// A later submap that lies where the first one's bent content is clears nothing of it.
-TEST(BentSubmap, OneThatIsBentRightTakesNothingAway) {
+/// A later submap with the same bend sees the same surfaces at the same places and removes none of them.
+TEST(BentSubmap, ALaterSubmapWithTheSameBendRemovesNothing) {
   SubmapCollection map = map_of(kBend);
   map.add(entry_of(3, kBend));
   const std::vector<Vec3> points = points_of(&map);
@@ -120,7 +120,7 @@ TEST(BentSubmap, OneThatIsBentRightTakesNothingAway) {
   EXPECT_TRUE(map.changes(1).empty());
 }
 
-TEST(BentSubmap, BentLaterIsAsBentFromTheBeginningAndBackAgain) {
+TEST(BentSubmap, ABendThatIsSetLaterActsAsOneFromTheBeginningAndCanBeRemoved) {
   SubmapCollection bent = map_of(kBend);
   SubmapCollection map = map_of({});
   const auto rigid = map.occupied_points();

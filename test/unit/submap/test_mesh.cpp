@@ -53,7 +53,7 @@ TEST(Mesh, VerticesLieOnTheSurface) {
   EXPECT_LT(sum / static_cast<double>(mesh.vertices.size()), 0.15 * kVoxel);
 }
 
-TEST(Mesh, NothingFloatsWhereSpaceIsUnobserved) {
+TEST(Mesh, UnobservedSpaceHasNoTriangles) {
   const auto content = test::random_content(5, 40, 0.01, 0.4, kVoxel);
   const auto field = Submap::from_content(content, Pose::Identity(), {});
   const Mesh mesh = submap::extract_mesh(*field);
@@ -66,7 +66,7 @@ TEST(Mesh, NothingFloatsWhereSpaceIsUnobserved) {
   }
 }
 
-TEST(Mesh, FreeSpaceAloneHasNone) {
+TEST(Mesh, FreeSpaceAloneHasNoTriangles) {
   test::ContentBuilder builder(kVoxel);
   for (int i = 0; i < 1000; ++i) builder.set_free({i % 10, i / 10 % 10, i / 100});
   EXPECT_TRUE(submap::extract_mesh(*Submap::from_content(builder.build(), Pose::Identity(), {})).triangles.empty());
@@ -113,7 +113,7 @@ submap::SubmapEntry entry_of(std::uint32_t id, std::shared_ptr<const Submap> sub
 
 using Corner = std::array<int, 3>;
 
-/// Vertices of different pieces at the same place are one.
+/// Counts the edges of a mesh in which vertices of different pieces at the same place are one.
 std::map<std::pair<Corner, Corner>, int> welded_edges(const Mesh& mesh) {
   const auto corner = [&](std::uint32_t i) {
     const auto& p = mesh.vertices[i];
@@ -144,7 +144,7 @@ TEST(MergedMesh, BlocksDrawnOneByOneMeetWithoutGaps) {
   EXPECT_EQ(open, 0);
 }
 
-TEST(MergedMesh, HoldsOnceWhatManySubmapsSawAndNothingThatIsGone) {
+TEST(MergedMesh, HoldsSharedSurfacesOnceAndRemovedSurfacesNever) {
   submap::SubmapCollection collection({});
   collection.add(entry_of(1, sphere_submap(), Pose::Identity()));
   const std::size_t once = submap::extract_mesh(&collection).triangles.size();
@@ -156,8 +156,8 @@ TEST(MergedMesh, HoldsOnceWhatManySubmapsSawAndNothingThatIsGone) {
   EXPECT_TRUE(submap::extract_mesh(&collection).triangles.empty());
 }
 
-/// What the octree knows of a trunk, thin as one voxel or not, is in the mesh: crowns stand on something.
-TEST(MergedMesh, EverySurfaceThatIsSeenFromSomewhereIsInIt) {
+/// The mesh shows trunks, even those of one voxel's width, so that crowns do not float.
+TEST(MergedMesh, HoldsEverySurfaceBesideObservedSpace) {
   const auto tree = [](const Vec3& p) {
     const double trunk = std::max(std::hypot(p.x() - 0.11, p.y() + 0.07) - 0.15, p.z() - 4.0);
     const double pole = std::hypot(p.x() - 3.07, p.y() - 1.93) - 0.04;

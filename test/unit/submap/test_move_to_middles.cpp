@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trunks are seen from in front before they are passed and from behind after: registered as they were hit, they go
-// along.
+// Trunks are hit on their near side: before the vehicle passes them on one side, and afterwards on the other. Submaps
+// that are registered by these hits as they are follow the vehicle by up to a trunk's diameter.
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
@@ -15,9 +15,10 @@ namespace {
 
 constexpr double kVoxel = 0.4;
 constexpr double kRadius_m = 0.15;
-constexpr double kMeanDepth_m = 2.0 / M_PI * kRadius_m;  ///< of the half that is seen, before the axis
+constexpr double kMeanDepth_m = 2.0 / M_PI * kRadius_m;  ///< mean distance of the visible half from the axis
 
-/// Trunks 3 m apart on flat ground, each seen from `from`: one hit voxel per height, at the mean of its hits.
+/// Returns trunks 3 m apart on flat ground as seen from `from`. Each trunk has one occupied voxel per layer, whose
+/// point is the mean of the hits on the visible side.
 occupancy::MapContent grove_seen_from(const Vec3& from) {
   test::ContentBuilder builder(kVoxel);
   for (int y = -20; y < 20; ++y) {
@@ -55,7 +56,7 @@ geometry::SurfacePoint nearest_to(const geometry::Vec3f& p, const std::vector<ge
   });
 }
 
-/// Mean of what the trunks of one say of the distance to those of the other along x, positive when they lie farther on.
+/// Returns the mean distance along x from the trunks of `a` to those of `b`, positive if those of `b` have larger x.
 double shift_along_x(const geometry::DistanceField& a, const geometry::DistanceField& b) {
   double sum = 0.0;
   int count = 0;
@@ -69,7 +70,7 @@ double shift_along_x(const geometry::DistanceField& a, const geometry::DistanceF
 
 }  // namespace
 
-TEST(SeenSide, TrunksDoNotGoAlong) {
+TEST(MoveToMiddles, TrunksSeenFromBothSidesAgree) {
   const Vec3 before(-15.0, 0.0, 1.0), after(15.0, 0.0, 1.0);
   const auto a = submap_from(before), b = submap_from(after);
   const double as_hit = shift_along_x(*submap::registration_field(a), *submap::registration_field(b));
@@ -79,7 +80,7 @@ TEST(SeenSide, TrunksDoNotGoAlong) {
   EXPECT_LT(std::abs(as_middles), 0.35 * as_hit);
 }
 
-TEST(SeenSide, PlanesStayAndOtherThingsMoveAway) {
+TEST(MoveToMiddles, PlanesStayAndOtherPointsMoveAwayFromTheSensor) {
   const Vec3 place(-15.0, 3.0, 4.0);
   const auto submap = submap_from(place);
   const auto as_hit = submap::registration_field(submap);
@@ -99,8 +100,8 @@ TEST(SeenSide, PlanesStayAndOtherThingsMoveAway) {
   EXPECT_GT(num_moved, 100u);
 }
 
-/// Each point is moved as of the time it was seen: here half of the submap's time from either side.
-TEST(SeenSide, TheTimeOfAPointSaysFromWhere) {
+/// Each point is moved away from the pose at the time when it was observed, which is the last pose here.
+TEST(MoveToMiddles, PointsMoveAwayFromThePoseAtTheirTime) {
   const Vec3 first(-15.0, 0.0, 1.0), last(15.0, 0.0, 1.0);
   occupancy::MapContent content = grove_seen_from(first);
   for (occupancy::ContentBlock& block : content.blocks) {

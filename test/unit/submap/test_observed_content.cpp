@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a submap observed itself, beside what is only remembered, in its packed form.
+// The packed form of a submap keeps apart what the submap observed itself and what is only remembered.
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "base/bytes.hpp"
 #include "content_builder.hpp"
+#include "resealed.hpp"
 #include "submap/content/make_content.hpp"
 #include "voxnav/submap/submap.hpp"
 
@@ -19,7 +19,8 @@ using submap::SubmapContent;
 
 namespace {
 
-/// Random states, of which some are remembered; whole cells of 4^3 voxels too, observed and remembered.
+/// Returns random states, of which some are only remembered. Cells of 4 x 4 x 4 voxels are observed as a whole, in part
+/// or not at all, because the packed form stores these three kinds in different ways.
 occupancy::MapContent random_content(unsigned seed) {
   occupancy::MapContent content = test::random_content(seed, 40, 0.02, 0.2, 0.4);
   std::mt19937 rng(seed);
@@ -51,20 +52,14 @@ void expect_observed(const SubmapContent& packed, const occupancy::MapContent& c
   ASSERT_GT(checked, 50000u);
 }
 
-std::string sealed(const std::string& bytes) {
-  base::ByteWriter out;
-  out.put_raw(bytes.data(), bytes.size() - 4);
-  return out.finish();
-}
-
 }  // namespace
 
-TEST(ObservedFree, IsWhatTheContentSaid) {
+TEST(ObservedFree, EqualsThatOfTheContent) {
   const auto content = random_content(1);
   expect_observed(submap::make_content(content, 3.0), content);
 }
 
-TEST(ObservedFree, TravelsWithTheSubmap) {
+TEST(ObservedFree, IsPartOfTheBytesOfTheSubmap) {
   const auto content = random_content(2);
   const auto original = Submap::from_content(content, Pose::Identity(), {});
   const auto copy = Submap::from_bytes(original->to_bytes());
@@ -72,7 +67,7 @@ TEST(ObservedFree, TravelsWithTheSubmap) {
   EXPECT_EQ(copy->to_bytes(), original->to_bytes());
 }
 
-TEST(ObservedFree, VoxelsComeInOneRecordWithWhatWasObserved) {
+TEST(ObservedFree, OccupiedVoxelsHoldWhatIsBelievedAndWhatWasObserved) {
   const auto content = random_content(3);
   const SubmapContent packed = submap::make_content(content, 3.0);
   std::map<Index3, occupancy::OccupiedVoxel> expected;
@@ -100,20 +95,20 @@ TEST(ObservedFree, VoxelsComeInOneRecordWithWhatWasObserved) {
   EXPECT_LT(num_observed, 2 * number / 3);
 }
 
-TEST(ObservedFree, WhatDoesNotMatchTheStatesIsRefused) {
+TEST(ObservedFree, IsRefusedIfItDoesNotMatchTheStates) {
   const auto submap = Submap::from_content(random_content(4), Pose::Identity(), {});
   const std::string bytes = submap->to_bytes();
-  // Behind the observed free space: points, times, observations that differ, bits of both, whether there are distances,
-  // surface points, checksum.
+  // `behind` counts the bytes after the observed free space: points, times, observations that differ, bits of both,
+  // whether there are distances, surface points, and the checksum.
   const submap::VoxelPoints& points = submap->content()->points();
   const auto in_words = [](std::size_t bits) { return 8 * ((bits + 63) / 64); };
   const std::size_t behind = 3 * 8 + 4 * points.size() + points.num_observed() + 4 * points.differing().size() +
                              in_words(points.size()) + in_words(points.num_observed()) + 1 + 8 + 4;
   for (const char wrong : {static_cast<char>(0xFF), '\0'}) {
-    std::string broken = bytes;  // the last word: all of a cell, or none
+    std::string broken = bytes;  // below its last word of free space is set to all voxels of a cell, or none
     for (std::size_t k = 1; k <= 8; ++k) broken[bytes.size() - behind - k] = wrong;
     try {
-      Submap::from_bytes(sealed(broken));
+      Submap::from_bytes(test::resealed(broken));
       FAIL();
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find("observed free space"), std::string::npos) << error.what();

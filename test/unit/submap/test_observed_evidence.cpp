@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The merged map is made of what each submap saw itself: what a local map merely remembered lies where a drifted pose
-// put it, and no correction of the submap that carries it puts it right.
+// The merged map is made of what each submap observed itself. Content that a submap only remembers was placed by an
+// older pose that has drifted, and correcting the pose of the submap does not correct it.
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
@@ -28,7 +28,7 @@ SubmapEntry entry_of(std::uint32_t id, const occupancy::MapContent& content, con
   return entry;
 }
 
-/// Free space with a wall across x, both seen by the submap or only remembered.
+/// Returns free space with a wall perpendicular to x, which the submap observed or only remembers.
 occupancy::MapContent wall_at(int x_wall, bool is_remembered) {
   test::ContentBuilder builder(kVoxel);
   for (int z = 0; z < 8; ++z) {
@@ -44,7 +44,7 @@ occupancy::MapContent wall_at(int x_wall, bool is_remembered) {
   return builder.build();
 }
 
-/// A wall in W along x, 8 m long, sampled; each voxel several times.
+/// Returns points of a wall in W along x, 8 m long, with several points in each voxel.
 std::vector<Vec3> wall(double x_from) {
   std::vector<Vec3> out;
   for (double x = x_from + 0.05; x < x_from + 8.0; x += 0.1) {
@@ -55,7 +55,7 @@ std::vector<Vec3> wall(double x_from) {
 
 }  // namespace
 
-/// Two walls on the way of a local map whose pose has drifted by 0.9 m when the second one is seen.
+/// A local map sees two walls, and its pose has drifted by 0.9 m when it sees the second.
 TEST(ObservedEvidence, AMapOfCorrectedSubmapsIsNotDoubled) {
   occupancy::LocalMap map(occupancy::LocalMapConfig{});
   const Vec3 drift(0.1, 0.9, 0.0);
@@ -78,7 +78,7 @@ TEST(ObservedEvidence, AMapOfCorrectedSubmapsIsNotDoubled) {
   EXPECT_EQ(right, points.size());
 }
 
-TEST(ObservedEvidence, RememberedFreeSpaceTakesNothingAway) {
+TEST(ObservedEvidence, RememberedFreeSpaceRemovesNothing) {
   SubmapCollection collection({});
   const auto content = wall_at(0, false);
   collection.add(entry_of(1, content));
@@ -86,14 +86,14 @@ TEST(ObservedEvidence, RememberedFreeSpaceTakesNothingAway) {
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
   EXPECT_EQ(collection.state({1.0, 0.2, 0.2}), VoxelState::kUnknown);
   EXPECT_TRUE(collection.changes(1).empty());
-  collection.add(entry_of(3, wall_at(8, false)));  // the same, seen
+  collection.add(entry_of(3, wall_at(8, false)));  // the same content, but observed
   EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), VoxelState::kFree);
   EXPECT_FALSE(collection.changes(1).empty());
 }
 
 namespace {
 
-/// Ground below z = 0.3 m, seen from above; or free space alone from the voxel layer `lowest` up to `highest`.
+/// Returns ground at z = 0.3 m that was seen from above.
 occupancy::MapContent ground() {
   test::ContentBuilder builder(kVoxel);
   for (int i = 0; i < 24 * 24; ++i) {
@@ -103,6 +103,7 @@ occupancy::MapContent ground() {
   return builder.build();
 }
 
+/// Returns free space alone, from the layer of voxels `lowest` up to `highest`.
 occupancy::MapContent air(int lowest, int highest) {
   test::ContentBuilder builder(kVoxel);
   for (int i = 0; i < 24 * 24; ++i) {
@@ -113,7 +114,7 @@ occupancy::MapContent air(int lowest, int highest) {
 
 }  // namespace
 
-/// Between the rings that a LiDAR draws on the ground, rays cross its voxels and hit nothing near.
+/// Between the rings of a LiDAR on the ground, rays cross voxels of the ground without a hit.
 TEST(ObservedEvidence, GroundStaysUnderRaysThatGrazeIt) {
   SubmapCollection collection({});
   const auto content = ground();
@@ -123,11 +124,11 @@ TEST(ObservedEvidence, GroundStaysUnderRaysThatGrazeIt) {
   EXPECT_TRUE(collection.changes(1).empty());
 }
 
-TEST(ObservedEvidence, WhatTwoSubmapsSawThroughIsGone) {
+TEST(ObservedEvidence, SurfacesWithFreeSpaceAboveAndBelowAreRemoved) {
   SubmapCollection collection({});
   collection.add(entry_of(1, ground()));
   collection.add(entry_of(2, air(0, 3)));
-  collection.add(entry_of(3, air(-1, -1)));  // below it, where the other had looked above
+  collection.add(entry_of(3, air(-1, -1)));  // free space below the ground, after free space above it
   EXPECT_TRUE(collection.occupied_points().empty());
   ASSERT_EQ(collection.changes(1).size(), 1u);
   EXPECT_EQ(collection.changes(1).front().submap_id, 3u);
@@ -138,7 +139,7 @@ TEST(ObservedEvidence, ADoubtEndsWhereASurfaceIsSeenAgain) {
   const auto content = ground();
   collection.add(entry_of(1, content));
   collection.add(entry_of(2, air(0, 3)));
-  SubmapEntry again = entry_of(3, content, test::at(0.0, 0.0, 0.15));  // in the voxels above, but near
+  SubmapEntry again = entry_of(3, content, test::at(0.0, 0.0, 0.15));  // near, although in the voxels above
   collection.add(again);
   collection.add(entry_of(4, air(-1, -1)));
   std::size_t kept = 0;
@@ -149,10 +150,10 @@ TEST(ObservedEvidence, ADoubtEndsWhereASurfaceIsSeenAgain) {
 TEST(ObservedEvidence, MemoryCountsWhereNothingElseIsKnown) {
   SubmapCollection collection({});
   const auto content = wall_at(0, true);
-  collection.add(entry_of(7, content));  // as after a restart: nobody has submap 6
+  collection.add(entry_of(7, content));  // submap 6 is missing, as after a restart
   EXPECT_EQ(collection.occupied_points().size(), content.num_occupied());
   EXPECT_EQ(collection.state({-1.0, 0.2, 0.2}), VoxelState::kFree);
-  // Submap 6 comes late, and what 7 remembers of it is its own to say.
+  // Once submap 6 arrives, its own observations replace what submap 7 remembers.
   collection.add(entry_of(6, wall_at(2, false)));
   EXPECT_EQ(collection.state({0.2, 0.2, 1.0}), VoxelState::kFree);
   for (const auto& p : collection.occupied_points()) ASSERT_NEAR(p.x(), 2.5 * kVoxel, 1e-3);
@@ -173,7 +174,7 @@ TEST(ObservedEvidence, MemoryOfAnotherFlightDoesNotOverrideAMap) {
 
 namespace {
 
-/// A wall across x that was seen, and one that was only remembered.
+/// Returns a wall perpendicular to x that was observed, and one that is only remembered.
 occupancy::MapContent with_memory(int x_wall, int x_remembered) {
   test::ContentBuilder builder(kVoxel);
   for (int z = 0; z < 8; ++z) {
@@ -194,8 +195,9 @@ std::size_t count_at(SubmapCollection* collection, double x_m) {
 
 }  // namespace
 
-/// The wall at voxel 2 was seen by submap 1, and again by submap 3. Submap 2 remembers it where odometry had it.
-TEST(ObservedEvidence, ADroppedSubmapDoesNotComeBackBesideWhatOthersSaw) {
+/// Submaps 1 and 3 observed the wall at voxel 2, which submap 2 remembers at voxel 4. When submap 1 is dropped, submap
+/// 3 still holds the wall, so that the memory of submap 2 must not count.
+TEST(ObservedEvidence, MemoryOfADroppedSubmapDoesNotCountWhereAnotherObservedThePlace) {
   submap::SubmapCollectionConfig config;
   config.max_submaps = 2;
   SubmapCollection collection(config);
@@ -206,12 +208,13 @@ TEST(ObservedEvidence, ADroppedSubmapDoesNotComeBackBesideWhatOthersSaw) {
   ASSERT_EQ(collection.num_dropped(), 1u);
   const std::size_t whole = wall_at(2, false).num_occupied();
   EXPECT_EQ(count_at(&collection, 2.5 * kVoxel), whole);
-  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), 0u);  // memory of the first one
+  EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), 0u);  // what submap 2 remembers of submap 1
   EXPECT_EQ(count_at(&collection, 40.5 * kVoxel), whole);
 }
 
-/// What nobody else saw is not lost with the submap that did, until somebody sees the place himself.
-TEST(ObservedEvidence, MemoryStandsInForADroppedSubmapUntilAnotherSeesThePlace) {
+/// When the only submap that observed a wall is dropped, the memory of the next one keeps the wall in the map until
+/// another submap observes the place.
+TEST(ObservedEvidence, MemoryReplacesADroppedSubmapUntilAnotherObservesThePlace) {
   submap::SubmapCollectionConfig config;
   config.max_submaps = 2;
   SubmapCollection collection(config);
@@ -222,7 +225,7 @@ TEST(ObservedEvidence, MemoryStandsInForADroppedSubmapUntilAnotherSeesThePlace) 
   const std::size_t whole = wall_at(2, false).num_occupied();
   EXPECT_EQ(count_at(&collection, 4.5 * kVoxel), whole);
   config.max_submaps = 5;
-  SubmapCollection larger(config);  // submap 1 was lost on its way
+  SubmapCollection larger(config);  // a collection that submap 1 never reached
   for (const std::uint32_t id : {2u, 3u}) larger.add(*collection.find(id));
   larger.update();
   EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), whole);
@@ -230,7 +233,7 @@ TEST(ObservedEvidence, MemoryStandsInForADroppedSubmapUntilAnotherSeesThePlace) 
   larger.update();
   EXPECT_EQ(count_at(&larger, 4.5 * kVoxel), 0u);
   EXPECT_EQ(count_at(&larger, 2.5 * kVoxel), whole);
-  // The same whatever came first, and again without it.
+  // The result does not depend on the order, and removing the submap undoes it.
   SubmapCollection fresh(config);
   for (const std::uint32_t id : {4u, 3u, 2u}) fresh.add(*larger.find(id));
   EXPECT_EQ(fresh.occupied_points(), larger.occupied_points());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "base/bytes.hpp"
 #include "content_builder.hpp"
+#include "resealed.hpp"
 #include "submap/registration/observed_surface.hpp"
 #include "voxnav/submap/submap.hpp"
 
@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kVoxel = 0.4;
 
-/// Free space between two walls across x: one at voxel 0 that was seen, one at voxel 12 that is only remembered. The
-/// seen one was hit at `observed_offset` of its voxels lately, at their centre over all.
+/// Returns free space between two walls perpendicular to x: the one at voxel 0 was observed, the one at voxel 12 is
+/// only remembered. The submap observed the first at `observed_offset` in its voxels, while the mean of all hits is the
+/// centre.
 occupancy::MapContent two_walls(double observed_offset) {
   test::ContentBuilder builder(kVoxel);
   for (int z = -6; z < 6; ++z) {
@@ -32,13 +33,7 @@ occupancy::MapContent two_walls(double observed_offset) {
   return builder.build();
 }
 
-constexpr std::size_t kPointList = 8;  ///< bytes of an empty one, at the end
-
-std::string sealed(const std::string& bytes) {
-  base::ByteWriter out;
-  out.put_raw(bytes.data(), bytes.size() - 4);
-  return out.finish();
-}
+constexpr std::size_t kPointList = 8;  ///< the bytes of the empty list of surface points at the end of a submap
 
 std::optional<double> distance_at(const geometry::DistanceField& field, const Vec3& p) {
   double out = 0.0;
@@ -48,23 +43,23 @@ std::optional<double> distance_at(const geometry::DistanceField& field, const Ve
 
 }  // namespace
 
-TEST(ObservedSurface, HoldsWhatTheSubmapSawWhereItSawIt) {
+TEST(ObservedSurface, HoldsObservedPointsWhereTheSubmapSawThem) {
   const auto submap = Submap::from_content(two_walls(0.25), Pose::Identity(), {});
   const auto own = submap::registration_field(submap);
   ASSERT_GT(own->surface_points().size(), 50u);
   for (const auto& point : own->surface_points()) EXPECT_NEAR(point.position.x(), 0.75 * kVoxel, 0.01);
-  // A metre before the seen wall, and as far before the remembered one.
+  // Both points are 1 m before a wall: the first before the observed one, the second before the remembered one.
   const Vec3 near_seen(2.5 * kVoxel, 0.1, 0.1);
   const Vec3 near_remembered(10.5 * kVoxel, 0.1, 0.1);
   EXPECT_NEAR(*distance_at(*own, near_seen), 1.75 * kVoxel, 0.02);
   EXPECT_FALSE(distance_at(*own, near_remembered));
-  // The submap itself keeps everything.
+  // The field of the submap itself has both walls.
   EXPECT_NEAR(*distance_at(*submap, near_seen), 2.0 * kVoxel, 0.02);
   EXPECT_NEAR(*distance_at(*submap, near_remembered), 2.0 * kVoxel, 0.02);
   EXPECT_EQ(submap->occupied_points().size(), 2u * 144u);
 }
 
-TEST(ObservedSurface, TravelsWithTheSubmap) {
+TEST(ObservedSurface, IsPartOfTheBytesOfTheSubmap) {
   const auto original = Submap::from_content(two_walls(0.25), geometry::from_position_yaw({1, 2, 3}, 0.5), {});
   const auto copy = Submap::from_bytes(original->to_bytes());
   EXPECT_EQ(copy->to_bytes(), original->to_bytes());
@@ -80,8 +75,9 @@ TEST(ObservedSurface, TravelsWithTheSubmap) {
 TEST(ObservedSurface, ObservedPointsThatMatchNoVoxelAreRefused) {
   const auto submap = Submap::from_content(two_walls(0.0), Pose::Identity(), {});
   std::string bytes = submap->to_bytes();
-  // Before the end: surface points, whether there are distances, bits of observed points that differ, bits of points.
+  // The bytes end with a bit per point that tells whether it was observed, a bit per observed point that tells whether
+  // it differs from the believed one, whether there are distances, the surface points, and the checksum.
   const std::size_t behind = kPointList + 1 + 8 * ((submap->content()->points().num_observed() + 63) / 64);
-  bytes[bytes.size() - 4 - behind - 1] = static_cast<char>(0xFF);  // the last word of the latter
-  EXPECT_THROW(Submap::from_bytes(sealed(bytes)), std::invalid_argument);
+  bytes[bytes.size() - 4 - behind - 1] = static_cast<char>(0xFF);  // the last bits per point
+  EXPECT_THROW(Submap::from_bytes(test::resealed(bytes)), std::invalid_argument);
 }

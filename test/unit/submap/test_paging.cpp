@@ -76,7 +76,7 @@ TEST(Paging, ABrokenPageIsAnErrorAndNotUnknownSpace) {
   EXPECT_THROW(random_submap(2)->page_out("/nonexistent/page"), std::runtime_error);
 }
 
-TEST(DistanceCache, IsBoundedAndChangesNoAnswer) {
+TEST(DistanceCache, IsBoundedAndDoesNotChangeDistances) {
   const auto points = random_points(4000);
   const auto field = random_submap(4);
   const auto expected = distances_of(*field, points);

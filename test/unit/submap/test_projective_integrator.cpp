@@ -18,7 +18,7 @@ namespace {
 constexpr double kRadius = 4.0;
 const Vec3 kCenter(0.3, -0.2, 8.1);
 
-/// Rays over the full sphere of directions; those that hit nothing within 40 m give no point.
+/// Returns the hits of rays over the full sphere of directions; rays without a hit within 40 m give no point.
 std::vector<Vec3f> scan(const Pose& T_S_L, const test::Sdf& sdf) {
   std::vector<Vec3f> points;
   for (int row = -40; row <= 40; ++row) {
@@ -62,7 +62,7 @@ TEST_P(Rules, WallDistancesAreProjectiveAndItsZeroLevelIsTrue) {
   auto integrator = integrated(GetParam(), wall, {{0, 0, 0}, {1, 1, 0.5}, {0, -1, -1}});
   float distance = 0.f;
   float weight = 0.f;
-  // Head on, projective and true distance agree.
+  // Perpendicular to the wall, the projective distance equals the true one.
   ASSERT_TRUE(integrator.voxel(geometry::index_of({5.6, 0.2, 0.2}, 0.4), &distance, &weight));
   EXPECT_NEAR(distance, wall(geometry::center_of(geometry::index_of({5.6, 0.2, 0.2}, 0.4), 0.4)), 0.06);
   const auto field = integrator.finish({});
@@ -107,7 +107,7 @@ TEST(ProjectiveIntegrator, WithoutCarvingOnlyTheBandIsObserved) {
 }
 
 TEST(ProjectiveIntegrator, AntiGrazingKeepsAThinPole) {
-  // A pole in front of a wall; rays to the wall pass through the voxels of the pole.
+  // A pole stands before a wall, and rays to the wall pass through the voxels of the pole.
   const test::Sdf pole_and_wall = [](const Vec3& p) {
     return std::min(wall(p), std::hypot(p.x() - 4.0, p.y() - 0.2) - 0.06);
   };
@@ -128,7 +128,7 @@ TEST(ProjectiveIntegrator, AntiGrazingKeepsAThinPole) {
   EXPECT_GT(kept[1], 15u);
 }
 
-TEST(ProjectiveIntegrator, FarPointsOnlyClear) {
+TEST(ProjectiveIntegrator, PointsBeyondTheRangeOnlyClearSpace) {
   ProjectiveConfig config;
   config.max_range_m = 10.0;
   ProjectiveIntegrator integrator(config);

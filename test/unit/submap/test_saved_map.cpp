@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "content_builder.hpp"
-#include "other_version.hpp"
+#include "resealed.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -77,7 +77,7 @@ TEST(SavedMap, ATruncatedIndexGivesTheSubmapsBeforeItsEnd) {
   EXPECT_GE(last, 5u);
 }
 
-TEST(SavedMap, DirectoriesAboveAreMadeAndAFileInTheWayIsNamed) {
+TEST(SavedMap, ParentDirectoriesAreMadeAndAFileInTheirPlaceIsNamed) {
   const std::string top = new_directory("nested");
   SubmapCollection collection({});
   collection.add(entry_of(1));
@@ -121,12 +121,12 @@ TEST(SavedMap, AnIndexOfAnotherVersionIsNamedWithItsVersionAndTheOneThatIsRead) 
   write(path, test::as_version(3, read(path)));
   const std::string wanted = path + " has version 3 of its format; this program reads version 1 only";
   EXPECT_EQ(test::refusal_of([&] { SubmapCollection::load(directory); }), wanted);
-  // Recovery is for damage. Records of another version may mean something else, so none of them is taken.
+  // Only damaged indices are recovered. Records of another version may mean something else, so none of them is used.
   std::vector<std::string> problems;
   EXPECT_EQ(test::refusal_of([&] { SubmapCollection::load(directory, &problems); }), wanted);
 }
 
-TEST(SavedMap, ASubmapFileOfAnotherVersionIsNamedAndCostsThatSubmapAlone) {
+TEST(SavedMap, ASubmapFileOfAnotherVersionIsNamedAndLosesThatSubmapOnly) {
   const std::string directory = saved("other_submap", 1);
   const std::string intact = entry_of(1).submap->to_bytes();
   const std::uint32_t sum = base::crc32(intact.data(), intact.size());
@@ -142,7 +142,7 @@ TEST(SavedMap, ASubmapFileOfAnotherVersionIsNamedAndCostsThatSubmapAlone) {
   EXPECT_EQ(problems, std::vector<std::string>{wanted});
 }
 
-TEST(SavedMap, ABrokenEntryCostsThatSubmapAlone) {
+TEST(SavedMap, ADamagedEntryLosesThatSubmapOnly) {
   const std::string directory = saved("broken", 5);
   const std::string path = directory + "/index.vxi";
   const std::string whole = read(path);
@@ -169,7 +169,7 @@ TEST(SavedMap, LimitsAndPagingAreThoseOfTheReader) {
   EXPECT_THROW(SubmapCollection::load(directory, nullptr, &config), std::invalid_argument);
 }
 
-TEST(SavedMap, ALaterFlightIsNewerWhateverItsClockSays) {
+TEST(SavedMap, ALaterFlightIsNewerWhateverItsStamps) {
   SubmapCollection first({});
   test::ContentBuilder with_box(0.4);
   test::ContentBuilder without_box(0.4);

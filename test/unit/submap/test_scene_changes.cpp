@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A fire truck that drives from one place to another between two submaps of a revisited yard.
+// A fire truck drives from one place to another between two visits to a yard.
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
@@ -32,7 +32,7 @@ double static_sdf(const Vec3& p) {
   return std::min({ground, house, pole, wall});
 }
 
-/// The yard with the truck at a place, in the grid of a map that lies `T_G_W` beside the last one.
+/// Returns the yard with the truck at a place, in a grid at T_W_G.
 occupancy::MapContent yard(const Vec3& place, const Pose& T_W_G) {
   const auto sdf = [&](const Vec3& p_G) {
     const Vec3 p = T_W_G * p_G;
@@ -69,7 +69,7 @@ class FireTruck : public ::testing::TestWithParam<unsigned> {
     collection_.add(entry_of(2, kNewPlace, T_W_G_, drift * T_W_G_));
     collection_.update();
   }
-  /// What optimisation leaves: decimetres in the plane, centimetres in height.
+  /// Corrects the second pose as optimisation would, with errors of decimetres in the plane and centimetres in height.
   void optimise() {
     const Pose rest = geometry::from_position_yaw(test::random_in(&rng_, {-0.1, -0.1, -0.05}, {0.1, 0.1, 0.05}), 0.003);
     collection_.set_pose(2, rest * T_W_G_);
@@ -83,7 +83,7 @@ class FireTruck : public ::testing::TestWithParam<unsigned> {
 
 }  // namespace
 
-TEST_P(FireTruck, IsInOnePlaceOnceTheYardWasSeenAgain) {
+TEST_P(FireTruck, IsInItsNewPlaceOnlyOnceTheYardWasSeenAgain) {
   optimise();
   const std::size_t old_truck = count_old_truck(before_);
   ASSERT_GT(old_truck, 300u);

@@ -44,7 +44,7 @@ TEST(Submap, PlaneDistancesAreTrueOnBothSidesOfTheSurface) {
       continue;
     }
     ++checked;
-    // Surface points are a voxel apart, so distances to them are a little longer than to the plane.
+    // Surface points are a voxel apart, so the distance to the nearest one is a little longer than to the plane.
     EXPECT_NEAR(distance, plane_sdf(p), 0.5 * kVoxel);
     sum_squared += std::pow(distance - plane_sdf(p), 2);
   }
@@ -94,7 +94,7 @@ TEST(Submap, SolidsHaveNegativeInside) {
 }
 
 TEST(Submap, EveryOccupiedVoxelIsASurface) {
-  // A pole of one voxel, a wire and lonely voxels in free space, a pole beside unknown space.
+  // The scene has a pole of one voxel, a wire and single voxels in free space, and a pole beside unknown space.
   test::ContentBuilder builder(kVoxel);
   std::vector<geometry::Index3> thin;
   for (int z = 0; z < 20; ++z) thin.push_back({3, 3, z});
@@ -136,7 +136,7 @@ TEST(Submap, GradientIsThatOfTheDistance) {
       numeric[k] = (ahead - behind) / (2.0 * h);
       jump = std::max(jump, std::abs(ahead + behind - 2.0 * distance_at(*field, p)));
     }
-    if (!numeric.allFinite() || jump > 1e-7) continue;  // on an edge between cells
+    if (!numeric.allFinite() || jump > 1e-7) continue;  // the differences cross an edge between cells
     ++checked;
     ASSERT_LT((numeric - gradient).norm(), 1e-3) << p.transpose();
   }
@@ -160,9 +160,9 @@ TEST(Submap, EmptyContentIsUnobservedEverywhere) {
   EXPECT_TRUE(field->surface_points().empty());
 }
 
-TEST(Submap, ContentThatCannotBeCountedIsRefused) {
+TEST(Submap, ContentBeyondTheVoxelIndicesIsRefused) {
   auto content = test::random_content(1, 8, 0.1, 0.1, kVoxel);
-  content.blocks.back().index.x = -1174405121;  // its voxels overflow 32 bits
+  content.blocks.back().index.x = -1174405121;  // the indices of its voxels overflow 32 bits
   EXPECT_THROW(make(content), std::invalid_argument);
   for (const double resolution_m : {0.0, -0.4, 1e-300, 1e300, std::nan("")}) {
     content = test::random_content(1, 8, 0.1, 0.1, kVoxel);
@@ -206,7 +206,7 @@ TEST(Submap, BadConfigurationIsRefused) {
   EXPECT_THROW(make(test::random_content(1, 4, 0.1, 0.1, kVoxel), Pose::Identity(), config), base::ConfigError);
 }
 
-TEST(Submap, LonelyVoxelInUnknownSpaceIsNotDeepInside) {
+TEST(Submap, ASingleVoxelInUnknownSpaceIsNotDeepInside) {
   test::ContentBuilder builder(kVoxel);
   builder.set_occupied({5, 5, 5});
   builder.set_free({8, 5, 5});

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kVoxel = 0.4;
 
-/// Flat ground at z = 0 seen from above, a wall, and a box-shaped vehicle where asked for.
+/// Returns flat ground at z = 0 seen from above, a wall, and a box-shaped vehicle if asked for.
 occupancy::MapContent scene(bool with_vehicle) {
   test::ContentBuilder builder(kVoxel);
   for (int x = -25; x < 25; ++x) {
@@ -84,11 +84,11 @@ TEST(SubmapCollection, MovedVehicleIsGoneAndTheStaticSceneStays) {
   const Pose T_S_G = collection.find(1)->submap->T_S_G();
   const std::size_t old_vehicle = count_vehicle(collection.occupied_points(), T_S_G);
   ASSERT_GT(old_vehicle, 500u);
-  // A small pose error between both, as odometry leaves it.
+  // The second submap has a small error of its pose, as odometry leaves it.
   collection.add(entry_of(2, after, geometry::from_position_yaw({0.1, -0.05, 0.05}, 0.005)));
   const auto points = collection.occupied_points();
   EXPECT_LE(count_vehicle(points, T_S_G), old_vehicle / 20);
-  // Every static surface point of the newer submap is still close to a believed one.
+  // Every static surface point of the newer submap is close to a point of the merged map.
   for (const auto& p : collection.find(2)->submap->occupied_points()) {
     const auto distance = collection.distance(collection.find(2)->T_W_S * p.cast<double>(), 2.0);
     if (distance) {
@@ -132,7 +132,7 @@ TEST(SubmapCollection, MovingASubmapEqualsAddingItThere) {
   EXPECT_EQ(moved.occupied_points(), fresh.occupied_points());
 }
 
-TEST(SubmapCollection, RemovedSubmapLeavesNothing) {
+TEST(SubmapCollection, RemovedSubmapsLeaveNothing) {
   SubmapCollection collection({});
   collection.add(entry_of(1, scene(true)));
   collection.update();
@@ -141,7 +141,7 @@ TEST(SubmapCollection, RemovedSubmapLeavesNothing) {
   EXPECT_TRUE(collection.evidence().blocks().empty());
 }
 
-TEST(SubmapCollection, StatesComeFromSubmapsAndNothingElseIsKnown) {
+TEST(SubmapCollection, StatesAreUnknownOutsideOfSubmaps) {
   SubmapCollection collection({});
   collection.add(entry_of(1, scene(false)));
   const auto& submap = *collection.find(1)->submap;
@@ -210,7 +210,7 @@ TEST(SubmapCollection, BrokenFilesAreRefusedWithAReasonAndTheRestIsRecovered) {
 
 namespace {
 
-/// A wire along y at z = 2 in free space, or the same space without it; seen from `view`.
+/// Returns free space with or without a wire along y at z = 2, as seen from `view`.
 SubmapEntry wire_entry(std::uint32_t id, bool with_wire, const Vec3& view, const Pose& T_W_S = Pose::Identity()) {
   test::ContentBuilder builder(kVoxel);
   for (int i = 0; i < 20 * 30 * 10; ++i) builder.set_free({i % 20 - 10, i / 20 % 30 - 15, i / 600});
@@ -232,20 +232,20 @@ std::size_t points_left(const std::vector<SubmapEntry>& entries) {
 
 }  // namespace
 
-TEST(SubmapCollection, AWireThatWasMissedFromAfarStays) {
+TEST(SubmapCollection, AWireThatAMoreDistantViewMissedStays) {
   EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), wire_entry(2, false, {16, 0, 2})}), 30u);
 }
 
-TEST(SubmapCollection, AWireThatIsGoneFromNearIsGone) {
+TEST(SubmapCollection, AWireThatAViewAsNearMissedIsRemoved) {
   EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), wire_entry(2, false, {0.2, 0, 1})}), 0u);
-  // From as far as it had been seen; and where nobody knows from where.
+  // The wire is removed as well if the newer view is as near as the older one, and if the newer view is not known.
   EXPECT_EQ(points_left({wire_entry(1, true, {20, 0, 2}), wire_entry(2, false, {19, 0, 2})}), 0u);
   SubmapEntry unknown = wire_entry(2, false, {16, 0, 2});
   unknown.T_S_B.clear();
   EXPECT_EQ(points_left({wire_entry(1, true, {5, 0, 2}), unknown}), 0u);
 }
 
-TEST(SubmapCollection, ABoxThatIsGoneIsGoneFromAfarToo) {
+TEST(SubmapCollection, ABoxThatADistantViewMissedIsRemoved) {
   SubmapEntry before = entry_of(1, scene(true));
   SubmapEntry after = entry_of(2, scene(false));
   before.T_S_B = {{0, geometry::from_position_yaw({6, 0, 2}, 0.0)}};
@@ -256,7 +256,7 @@ TEST(SubmapCollection, ABoxThatIsGoneIsGoneFromAfarToo) {
   EXPECT_EQ(count_vehicle(collection.occupied_points(), geometry::from_position_yaw({0.13, -0.3, 0.1}, 0.4)), 0u);
 }
 
-TEST(SubmapCollection, MovedSubmapsSayWhatTheySayWhenAddedThere) {
+TEST(SubmapCollection, MovedSubmapsGiveTheMapOfSubmapsAddedThere) {
   SubmapCollection moved({});
   std::vector<SubmapEntry> entries;
   for (std::uint32_t id = 1; id <= 6; ++id) {
