@@ -1,9 +1,9 @@
-# Messages, services and the catkin exports. catkin_python_setup() must come before generate_messages().
+# This file generates messages and services and exports the package to catkin.
 find_package(catkin REQUIRED COMPONENTS
   roscpp rospy nodelet pluginlib tf2 tf2_msgs tf2_ros std_msgs std_srvs geometry_msgs sensor_msgs nav_msgs
   visualization_msgs rosgraph_msgs mrs_msgs octomap_msgs message_generation)
 
-catkin_python_setup()
+catkin_python_setup()  # must come before generate_messages()
 
 file(STRINGS msg/files.txt voxnav_messages REGEX "^[^#]")
 file(STRINGS srv/files.txt voxnav_services REGEX "^[^#]")
@@ -22,8 +22,8 @@ catkin_package(
 set(VOXNAV_PYTHON_DIR ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION})
 
 # Catkin runs tests in a copy of the environment that it took when the workspace was configured. In a workspace that was
-# never configured before, that copy lacks the folders that did not exist at that moment, and no test would find voxnav:
-# the folders are made and the copy is taken again.
+# never configured before, that copy lacks the folders that did not exist at that moment, and no test would find voxnav.
+# So the folders are made, and the copy is taken again.
 set(voxnav_environment_script ${CMAKE_BINARY_DIR}/catkin_generated/generate_cached_setup.py)
 if(EXISTS ${voxnav_environment_script})
   file(MAKE_DIRECTORY ${VOXNAV_PYTHON_DIR} ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_LIB_DESTINATION})

@@ -1,5 +1,5 @@
-# CPack's configuration of the Debian package; scripts/dev/build_deb says where the workspace was built and what the
-# package depends on besides the libraries that its binaries are linked to.
+# This is CPack's configuration of the Debian package. scripts/dev/build_deb adds the folder of the build, and the
+# dependencies besides the libraries that the binaries are linked to.
 file(READ ${CMAKE_CURRENT_LIST_DIR}/../package.xml manifest)
 string(REGEX MATCH "<version>([^<]*)</version>" _ "${manifest}")
 set(CPACK_PACKAGE_VERSION ${CMAKE_MATCH_1})
@@ -17,7 +17,7 @@ set(CPACK_PACKAGE_DESCRIPTION "LiDAR mapping and safe planning for UAVs\n ${desc
 set(CPACK_INSTALL_PREFIX /opt/voxnav)
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_STRIP_FILES ON)
-# CPack asks for the first and uses the second.
+# CPack requires the first name, but the package gets the second.
 set(CPACK_PACKAGE_FILE_NAME voxnav)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)

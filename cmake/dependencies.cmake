@@ -1,4 +1,4 @@
-# Python first: pybind11 and catkin (which say PYTHON_EXECUTABLE) must agree with it on the interpreter.
+# Python is found first, because pybind11 and catkin, which use PYTHON_EXECUTABLE, must use the same interpreter.
 if(PYTHON_EXECUTABLE AND NOT Python3_EXECUTABLE)
   set(Python3_EXECUTABLE ${PYTHON_EXECUTABLE})
 endif()
@@ -12,7 +12,7 @@ find_package(Ceres REQUIRED)
 find_package(octomap REQUIRED)
 find_package(Threads REQUIRED)
 
-# Embree and yaml-cpp only serve the simulator; without Embree (some arm64 distributions) everything else is built.
+# Only the simulator needs Embree and yaml-cpp. Without Embree, which some arm64 distributions lack, all else is built.
 find_package(embree 3 QUIET)
 if(embree_FOUND)
   find_package(yaml-cpp REQUIRED)

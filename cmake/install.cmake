@@ -1,8 +1,8 @@
-# Where things are installed, in a catkin workspace and outside, and what other packages find.
+# This file defines where targets are installed, with catkin and without, and what other packages find.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# Where the checkout is, also when its entries are linked into the workspace.
+# The folder of the checkout, which differs from the source folder if its entries are linked into a workspace.
 get_filename_component(VOXNAV_CHECKOUT_DIR ${PROJECT_SOURCE_DIR}/CMakeLists.txt REALPATH)
 get_filename_component(VOXNAV_CHECKOUT_DIR ${VOXNAV_CHECKOUT_DIR} DIRECTORY)
 
@@ -18,35 +18,36 @@ else()
   set(VOXNAV_INSTALL_CMAKE ${CMAKE_INSTALL_LIBDIR}/cmake/voxnav)
 endif()
 
-# voxnav_install_library(target): beside the libraries that it needs, which it finds without LD_LIBRARY_PATH.
+# voxnav_install_library(target) installs a library. It finds the libraries beside it without LD_LIBRARY_PATH.
 function(voxnav_install_library target)
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN")
   install(TARGETS ${target} ${ARGN} LIBRARY DESTINATION ${VOXNAV_INSTALL_LIB})
 endfunction()
 
-# voxnav_install_program(target): an executable that finds the libraries of voxnav.
+# voxnav_install_program(target) installs an executable that finds the libraries of voxnav.
 function(voxnav_install_program target)
   voxnav_set_rpath(${target} ${VOXNAV_INSTALL_BIN})
   install(TARGETS ${target} RUNTIME DESTINATION ${VOXNAV_INSTALL_BIN})
 endfunction()
 
-# voxnav_install_python_module(target): a compiled module inside the Python package.
+# voxnav_install_python_module(target) installs a compiled module inside the Python package.
 function(voxnav_install_python_module target)
   voxnav_set_rpath(${target} ${VOXNAV_INSTALL_PYTHON})
   install(TARGETS ${target} LIBRARY DESTINATION ${VOXNAV_INSTALL_PYTHON})
 endfunction()
 
-# voxnav_set_rpath(target folder): from the folder where the target is installed to the libraries, wherever the prefix is.
+# voxnav_set_rpath(target folder) sets a run path from the folder of the target to the libraries that is relative, so
+# that the installation can be moved.
 function(voxnav_set_rpath target folder)
   file(RELATIVE_PATH way /prefix/${folder} /prefix/${VOXNAV_INSTALL_LIB})
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${way}")
 endfunction()
 
-# What users of the library include. Headers of the nodelets and of the simulator stay in the checkout.
+# Only the headers of the library are installed; those of the nodelets and of the simulator are not for users.
 install(DIRECTORY ${VOXNAV_CHECKOUT_DIR}/include/voxnav/ DESTINATION include/voxnav FILES_MATCHING PATTERN "*.hpp")
 
-# voxnav_export_targets(): what find_package(voxnav) reads, once the targets exist. In a catkin workspace catkin writes
-# voxnavConfig.cmake, which includes cmake/voxnav-extras.cmake.
+# voxnav_export_targets() installs what find_package(voxnav) reads, and is called once the targets exist. In a catkin
+# workspace catkin writes voxnavConfig.cmake, which includes cmake/voxnav-extras.cmake.
 function(voxnav_export_targets)
   install(EXPORT voxnavTargets NAMESPACE voxnav:: DESTINATION ${VOXNAV_INSTALL_CMAKE})
   if(VOXNAV_WITH_ROS)
@@ -64,7 +65,7 @@ if(VOXNAV_WITH_ROS)
   file(GLOB voxnav_scripts CONFIGURE_DEPENDS LIST_DIRECTORIES false ${PROJECT_SOURCE_DIR}/scripts/*)
   catkin_install_python(PROGRAMS ${voxnav_scripts} DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
   foreach(directory launch config rviz tmux worlds)
-    # Of the checkout: of a link in the workspace the link would be installed, not what it leads to.
+    # The path is that of the checkout, because CMake would install a link in the workspace instead of its target.
     install(DIRECTORY ${VOXNAV_CHECKOUT_DIR}/${directory}/ DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/${directory}
       USE_SOURCE_PERMISSIONS)
   endforeach()

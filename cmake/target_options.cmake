@@ -1,4 +1,5 @@
-# Options shared by every target of voxnav. No -march flags: binaries must run on every machine of their architecture.
+# All targets of voxnav share these options. There are no -march flags, because binaries must run on every machine of
+# their architecture.
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()

@@ -1,4 +1,4 @@
-# Part of voxnavConfig.cmake in a catkin workspace or installation: target voxnav::core, as without ROS.
+# voxnavConfig.cmake of a catkin workspace or installation includes this file, which defines the target voxnav::core.
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3)
 find_dependency(Threads)
