@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps by LiDAR odometry: made of deskewed scans, and level whatever the IMU calls gravity, or it is said why not."""
+"""Maps by LiDAR odometry are made of deskewed scans, and are level whatever the unit of the IMU, or a warning says why."""
 
 import json
 
@@ -17,13 +17,13 @@ from recordings import (FIRST_STAMP_S, SWEEP_S, body_pose, cloud_message, imu_me
                         sweeps, write_messages)
 
 NUM_SCANS = 30
-LATER_S = 10000.0  # of stamps, after the time of the flight
+LATER_S = 10000.0  # by how much stamps are later than the time of the flight
 TILT_RAD = np.radians(15.0)
 UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 
 
 def tilted():
-    """T_B_L of a sensor that looks down at a slope."""
+    """Returns the mount T_B_L of a sensor that is tilted downwards."""
     T_B_L = np.eye(4)
     T_B_L[:3, :3] = [[np.cos(TILT_RAD), 0, np.sin(TILT_RAD)], [0, 1, 0], [-np.sin(TILT_RAD), 0, np.cos(TILT_RAD)]]
     return T_B_L
@@ -35,8 +35,11 @@ def scans():
 
 
 def messages_of(scans, first_imu_s=-0.3, unit=1.0, R_I_L=np.eye(3), stray_s=None):
-    """Scans and IMU. first_imu_s: after the first scan; unit: of accelerations, in which 1 is 1 m/s^2; R_I_L: the IMU
-    against the LiDAR; stray_s: lead of the stamp of one sample."""
+    """Returns messages of scans and of an IMU.
+
+    first_imu_s: the time of the first sample after the first scan; unit: 1 m/s^2 in the unit of the accelerations;
+    R_I_L: the rotation from the LiDAR to the IMU; stray_s: by how much the stamp of one sample is ahead.
+    """
     import rospy
 
     is_turned = not np.array_equal(R_I_L, np.eye(3))
@@ -62,7 +65,7 @@ def messages_of(scans, first_imu_s=-0.3, unit=1.0, R_I_L=np.eye(3), stray_s=None
 
 @pytest.fixture
 def mapped(scans, tmp_path):
-    """A function: folder of the map, and what is said of the IMU, of a recording; arguments as of messages_of()."""
+    """Returns a function that maps messages_of() and returns the folder of the map and the warnings on the IMU."""
 
     def run(**imu):
         bag, config, out = str(tmp_path / "flight.bag"), tmp_path / "fine.yaml", tmp_path / "out"
@@ -76,7 +79,10 @@ def mapped(scans, tmp_path):
 
 
 def tilt_deg(folder, R_B_L):
-    """Between up and the z axis of the map; R_B_L: the LiDAR on the body whose poses the trajectory has."""
+    """Returns the angle between the true vertical and the z axis of the map.
+
+    R_B_L: the rotation from the LiDAR to the body to which the poses of the trajectory belong.
+    """
     stamps, poses = files.read_tum(str(folder / "trajectory_odom.txt"))
     T_W_B = body_pose(stamps[0] - LATER_S + 0.05) @ tilted()
     up_O = poses[0][:3, :3] @ R_B_L @ T_W_B[:3, :3].T @ [0, 0, 1]
@@ -88,7 +94,7 @@ def test_maps_by_lidar_odometry_are_made_of_deskewed_scans(mapped, scans):
     assert warnings == []
     points = voxnav.SubmapCollection.load(str(folder / "map")).occupied_points().astype(np.float64)
     stamps, poses = files.read_tum(str(folder / "trajectory_odom.txt"))
-    # Poses are those of the middle of each sweep.
+    # A pose of the trajectory holds for the middle of its sweep.
     T_W_O = body_pose(stamps[0] - LATER_S + 0.05) @ tilted() @ np.linalg.inv(poses[0])
     points = np.ascontiguousarray(points @ T_W_O[:3, :3].T + T_W_O[:3, 3])
     assert np.mean(scans[0].surface_distance(points) < 0.2) > 0.98
@@ -105,7 +111,7 @@ def test_the_map_is_level(imu, mapped):
 
 
 @pytest.mark.parametrize("imu, why", [({"first_imu_s": 100.0}, "there is no IMU"), ({"unit": 0.3}, "does not show it")])
-def test_a_map_that_is_not_level_is_said_to_be_tilted(imu, why, mapped):
+def test_a_map_that_is_not_level_comes_with_a_warning(imu, why, mapped):
     folder, warnings = mapped(**imu)
     assert tilt_deg(folder, np.eye(3)) > 10.0
     assert any("nothing tells where down is" in warning and why in warning for warning in warnings)

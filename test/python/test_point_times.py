@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whatever a driver writes as the times of points, the map is as good as with those of Ouster; or it says why not."""
+"""Point times of any driver give as good a map as those of Ouster, or a warning says why they are not used."""
 
 import json
 
@@ -41,7 +41,8 @@ def scans():
 
 @pytest.fixture(scope="module")
 def mapped(scans, tmp_path_factory):
-    """A function: share of the map on the true surface, and the warnings, with these times."""
+    """Returns a function that maps scans with given times, and returns the share of the map on the true surface and
+    the warnings."""
 
     def run(times):
         folder = tmp_path_factory.mktemp("times")
@@ -67,7 +68,7 @@ def with_times(mapped):
 def without_times(mapped, with_times):
     share, warnings = mapped(TimeField(""))
     assert warnings == []
-    assert share < with_times - 0.05  # what is at stake
+    assert share < with_times - 0.05  # the share would not tell the difference if it were smaller
     return share
 
 

@@ -85,7 +85,7 @@ TEST(ClockWatch, WithoutALimitAheadEveryGapIsAccepted) {
   EXPECT_EQ(add(&watch, 100.0 + kHour_s), Verdict::kNext);
 }
 
-TEST(ClockWatch, CountsWhatItSaw) {
+TEST(ClockWatch, CountsStampsByTheirVerdict) {
   ClockWatch watch = strict();
   EXPECT_EQ(voxnav::base::describe(watch.counts()), "");
   for (const double stamp_s : {100.0, 100.1, 100.1, 100.05, kHour_s, 100.2, 5.0, 5.1, 5.2}) add(&watch, stamp_s);

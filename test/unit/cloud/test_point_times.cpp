@@ -22,17 +22,17 @@ using cloud::TimeUnit;
 using cloud::TimeZero;
 using test::RawCloud;
 
-/// What a driver writes for a point `offset_s` after the start of a sweep that began at `start_s`.
+/// Returns what a driver writes for a point that was measured `offset_s` after the start of a sweep at `start_s`.
 using Written = std::function<double(double offset_s, double start_s)>;
 
-/// A sensor that turns, or looks at a sector only; and how its driver writes times.
+/// A sensor that turns, or measures in a sector only, and the times that its driver writes.
 struct Driver {
   std::string name = "time";
   FieldType type = FieldType::kFloat64;
   Written written;
-  double stamp_s = 0.0;  ///< of the cloud, after the start of the sweep
+  double stamp_s = 0.0;  ///< stamp of the cloud, after the start of the sweep
   double period_s = 0.1;
-  double first_turn = 0.0, last_turn = 1.0;  ///< in which directions there are returns
+  double first_turn = 0.0, last_turn = 1.0;  ///< the sector with returns, as shares of a turn
   std::uint32_t num_points = 6000;
   bool is_shuffled = false;
 };
@@ -47,12 +47,12 @@ void write_number(RawCloud* cloud, std::size_t index, const Driver& driver, doub
       return cloud->set(index, driver.name, static_cast<std::int32_t>(std::llround(value)));
     case FieldType::kUint64:
       return cloud->set(index, driver.name, static_cast<std::uint64_t>(std::llround(value)));
-    default:  // modulo 2^32, as counters do it
+    default:  // 32-bit counters overflow, so the time is taken modulo 2^32
       return cloud->set(index, driver.name, static_cast<std::uint32_t>(std::llround(value)));
   }
 }
 
-/// The true time of each point after the start of the sweep is written to `offsets_s`.
+/// Returns a sweep of a driver, and writes the true time of each point after the start of the sweep to `offsets_s`.
 RawCloud sweep_of(const Driver& driver, double start_s, std::vector<double>* offsets_s) {
   auto fields = test::xyzi_fields();
   fields.push_back({driver.name, 16, driver.type, 1});
@@ -73,7 +73,7 @@ RawCloud sweep_of(const Driver& driver, double start_s, std::vector<double>* off
   return out;
 }
 
-/// Filters sweeps of a driver, and gives the greatest error of when a point was seen in the last of them.
+/// Filters sweeps of a driver, and returns the largest error of a point's time in the last of them.
 double last_error_s(const Driver& driver, int num_sweeps, CloudFilter* filter) {
   double worst_s = 0.0;
   for (int n = 0; n < num_sweeps; ++n) {
@@ -98,7 +98,7 @@ struct Case {
   TimeZero zero;
 };
 
-constexpr double kBoot_s = 1699990000.0;  // when a sensor with a clock of its own was switched on
+constexpr double kBoot_s = 1699990000.0;  // the time at which a sensor with a clock of its own was switched on
 
 std::vector<Case> known_drivers() {
   const auto scaled = [](double per_second) { return [=](double o, double) { return o * per_second; }; };
@@ -146,7 +146,7 @@ TEST(PointTimes, ReadsWhatDriversWriteFromTheFirstCloudOn) {
       Driver driver = c.driver;
       driver.period_s = period_s;
       if (driver.stamp_s != 0.0) {
-        if (period_s != 0.1) continue;  // their times before the stamp are made for this
+        if (period_s != 0.1) continue;  // these drivers write times before the stamp for a period of 0.1 s
       }
       CloudFilter filter{cloud::CloudFilterConfig()};
       EXPECT_LT(last_error_s(driver, 1, &filter), 2e-3) << c.what << " in the first cloud";
@@ -171,7 +171,7 @@ TEST(PointTimes, SectorsAndPointsInAnyOrderAreReadToo) {
     CloudFilter filter{cloud::CloudFilterConfig()};
     const double error_s = last_error_s(c.driver, 3, &filter);
     EXPECT_STREQ(base::word_of(filter.point_times().unit), base::word_of(c.unit)) << c.what;
-    // On a clock of its own the first point is all that there is to tell the start of the sweep.
+    // If the sensor has a clock of its own, the start of the sweep is known by its first point only.
     EXPECT_LT(error_s, c.zero == TimeZero::kSensorClock ? 0.3 * 0.1 + 2e-3 : 2e-3) << c.what;
   }
 }
@@ -182,7 +182,7 @@ TEST(PointTimes, CountersMayBeginAnewWithinASweep) {
   driver.type = FieldType::kUint32;
   driver.written = [&](double offset_s, double start_s) { return std::fmod(offset_s + start_s, full_s) * 1e9; };
   CloudFilter filter{cloud::CloudFilterConfig()};
-  EXPECT_LT(last_error_s(driver, 60, &filter), 2e-3);  // it is full every 4.3 s
+  EXPECT_LT(last_error_s(driver, 60, &filter), 2e-3);  // the counter overflows every 4.3 s
   EXPECT_EQ(filter.point_times().zero, TimeZero::kSensorClock);
   EXPECT_EQ(filter.point_times().num_clouds_untimed, 0u);
 }
@@ -218,7 +218,7 @@ TEST(PointTimes, OneBrokenCloudChangesNothingAndALastingChangeDecidesAnew) {
   milliseconds.written = [](double offset_s, double) { return 1e3 * offset_s; };
   CloudFilter filter{cloud::CloudFilterConfig()};
   EXPECT_LT(last_error_s(seconds, 5, &filter), 1e-3);
-  EXPECT_GT(last_error_s(milliseconds, 1, &filter), 0.09);  // not used
+  EXPECT_GT(last_error_s(milliseconds, 1, &filter), 0.09);  // the times are not used
   EXPECT_EQ(filter.point_times().num_clouds_untimed, 1u);
   EXPECT_NE(cloud::problem_of(filter.point_times()), "");
   EXPECT_LT(last_error_s(seconds, 1, &filter), 1e-3);
@@ -236,7 +236,7 @@ TEST(PointTimes, FewPointsAreReadByNameAndMorePointsDecide) {
   CloudFilter filter{cloud::CloudFilterConfig()};
   EXPECT_LT(last_error_s(driver, 2, &filter), 1e-3);
   EXPECT_EQ(filter.point_times().state, TimesState::kByName);
-  // Nothing but a mast is in sight for a tenth of a millisecond: that might be a sweep in microseconds as well.
+  // Only a mast is in sight, for 0.1 ms. The same numbers could be those of a whole sweep in microseconds.
   driver.num_points = 200;
   driver.first_turn = 0.5;
   driver.last_turn = 0.501;

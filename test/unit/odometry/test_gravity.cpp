@@ -23,16 +23,17 @@ TEST(Gravity, TheDirectionDecidesInAnyUnit) {
   }
 }
 
-TEST(Gravity, NothingIsUpWhereForcesAreNoneOrOneAgainstAnother) {
+TEST(Gravity, ReturnsNothingIfForcesAreMissingOrContradictEachOther) {
   EXPECT_FALSE(Gravity::up_at_rest({Vec3::Zero(), 0.0}));
-  EXPECT_FALSE(Gravity::up_at_rest({Vec3(0, 0, 0.05), 0.06}));  // an IMU that takes gravity out
+  EXPECT_FALSE(Gravity::up_at_rest({Vec3(0, 0, 0.05), 0.06}));  // the IMU subtracts gravity
   EXPECT_FALSE(Gravity::up_at_rest({Vec3(0, 0, 3.0), 3.0}));
-  EXPECT_FALSE(Gravity::up_at_rest({Vec3(0, 0, 9.81), 14.0}));  // shaken more than it is held
+  EXPECT_FALSE(Gravity::up_at_rest({Vec3(0, 0, 9.81), 14.0}));  // the vehicle is shaken more than it is held
   EXPECT_FALSE(Gravity().up_O(0.0));
 }
 
-/// Flies for some tenths of a second, by forces in a unit of which gravity has 9.81 / scale, and positions with an
-/// error.
+/// Feeds the forces and positions of a flight of num_spans times 0.1 s.
+/// @param unit     1 m/s^2 in the unit of the forces
+/// @param error_m  standard deviation of the positions
 Gravity flown(const Vec3& up, int num_spans, double unit, double error_m) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, error_m > 0.0 ? error_m : 1.0);
@@ -68,7 +69,7 @@ TEST(Gravity, MotionIsTakenOutOfTheForce) {
 
 TEST(Gravity, ErrorsOfPositionsTiltItByLittle) {
   const Vec3 up = Vec3(0.2, 0.1, 1.0).normalized();
-  EXPECT_LT((*flown(up, 20, 1.0, 0.01).up_O(1.9) - up).norm(), 0.006);  // a third of a degree
+  EXPECT_LT((*flown(up, 20, 1.0, 0.01).up_O(1.9) - up).norm(), 0.006);  // this is a third of a degree
   EXPECT_LT((*flown(up, 20000, 1.0, 0.01).up_O(1.9) - up).norm(), 1e-6) << "half an hour";
 }
 

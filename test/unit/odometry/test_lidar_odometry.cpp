@@ -163,8 +163,8 @@ TEST(LidarOdometry, AnImuThatBeginsLaterTurnsTheFrameUpright) {
   EXPECT_LT(up_error(r, 5.9), 0.015);
 }
 
-TEST(LidarOdometry, SaysThatItsFrameIsTiltedAgainstGravity) {
-  // The first samples are those of a vehicle that accelerates, which looks like a slope.
+TEST(LidarOdometry, MeasuresTheTiltOfItsFrameAgainstGravity) {
+  // The vehicle accelerates during the first samples, which looks like a slope.
   const Motion starts = [](double t) {
     const double ramp = std::min(std::max(t, 0.0), 1.0);
     return pose_at(Vec3(ramp * ramp + 2.0 * std::max(t - 1.0, 0.0), 0, 0), 0.0);
@@ -300,10 +300,10 @@ TEST(LidarOdometry, RefusesOldStampsAndSurvivesAClockThatFallsBack) {
   const auto scan = test::sweep_of(RoomWorld::hall(), still, 0, 0.01, 77);
   EXPECT_FALSE(o.add_cloud(stamp_of(0.2), scan.points_L).is_new);
   EXPECT_FALSE(o.add_cloud(stamp_of(0.4), scan.points_L).is_new);
-  EXPECT_FALSE(o.add_cloud(stamp_of(3600.0), scan.points_L).is_new);  // alone on another clock
+  EXPECT_FALSE(o.add_cloud(stamp_of(3600.0), scan.points_L).is_new);  // a single cloud on another clock
   EXPECT_FALSE(o.add_cloud(stamp_of(-500.0), scan.points_L).is_new);
   EXPECT_FALSE(o.add_cloud(stamp_of(-499.9), scan.points_L).is_new);
-  const OdometryResult r = o.add_cloud(stamp_of(-499.8), scan.points_L);  // confirmed
+  const OdometryResult r = o.add_cloud(stamp_of(-499.8), scan.points_L);  // the third cloud confirms the new clock
   EXPECT_TRUE(r.is_new);
   EXPECT_LT(r.T_O_B.translation().norm(), 0.03);
   EXPECT_EQ(o.counters().clock_jumps, 1u);

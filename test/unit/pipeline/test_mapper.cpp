@@ -202,7 +202,7 @@ TEST(Mapper, DeskewsAndLocatesSweepsByItsOwnOdometry) {
   EXPECT_EQ(mapper.next().fate, SweepFate::kNoPose);
 }
 
-/// Samples at 200 Hz of an IMU that gives g, by differences of the motion.
+/// Feeds samples at 200 Hz of an IMU that measures in multiples of g, which are computed by differences of the motion.
 void feed_imu(const Motion& motion, double from_s, double to_s, Mapper* mapper) {
   constexpr double h = 1e-3;
   for (int i = static_cast<int>(std::lround(from_s * 200)); i < std::lround(to_s * 200); ++i) {
@@ -242,13 +242,13 @@ TEST(Mapper, AnImuThatBeginsLaterLevelsTheMapFromItsBeginning) {
   EXPECT_TRUE(mapper.odometry_problems().empty());
 }
 
-TEST(Mapper, WithoutAnImuItSaysThatNothingTellsWhereDownIs) {
+TEST(Mapper, WithoutAnImuItReportsThatTheVerticalIsUnknown) {
   const Motion slow = [](double t) { return slope(0.4 * t); };
   for (const bool is_expected : {false, true}) {
     MapperConfig config;
     config.odometry.emplace();
     Mapper mapper{config};
-    if (is_expected) mapper.expect_imu();  // and none comes
+    if (is_expected) mapper.expect_imu();  // but no sample comes
     std::size_t num_mapped = 0;
     for (int i = 0; i < 84; ++i) {
       mapper.add_sweep(sweep_at(0.1 * i, slow));
@@ -267,7 +267,7 @@ TEST(Mapper, OneSampleFarAheadDoesNotSilenceTheImu) {
   for (int i = 0; i < 20; ++i) {
     feed_imu(slope, 0.1 * i + (i == 0 ? -0.1 : 0.005), 0.1 * i + 0.05, &mapper);
     if (i == 9) mapper.add_imu({stamp_of(3600.0), Vec3::Zero(), Vec3::UnitZ()});
-    mapper.add_sweep(sweep_at(0.1 * i, slope));  // waits for the samples of its end
+    mapper.add_sweep(sweep_at(0.1 * i, slope));  // the sweep waits for the samples until its end
     EXPECT_TRUE(mapper.is_waiting_for_imu());
     feed_imu(slope, 0.1 * i + 0.05, 0.1 * i + 0.105, &mapper);
     all_steps(&mapper);
