@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps by LiDAR odometry are made of deskewed scans, and are level whatever the unit of the IMU, or a warning says why."""
+"""Maps by LiDAR odometry are made of deskewed scans and level in any unit of the IMU, or a warning says why not."""
 
 import json
 
