@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""PointCloud2 messages and numpy."""
+"""Converts between PointCloud2 messages and numpy arrays."""
 
 import numpy as np
 
@@ -31,13 +31,13 @@ def points_from_msg(cloud):
 
 _STEPS_PER_S = {voxnav.TimeUnit.S: 1, voxnav.TimeUnit.MS: 10**3, voxnav.TimeUnit.US: 10**6, voxnav.TimeUnit.NS: 10**9}
 _FLOATS = {7: "<f4", 8: "<f8"}
-_TIME_TYPES = {**_FLOATS, 9: "<i8", 10: "<u8"}  # of numbers that can count from the epoch of the stamps
+_TIME_TYPES = {**_FLOATS, 9: "<i8", 10: "<u8"}  # types that can hold times since the epoch of the stamps
 
 
 def shift_time(cloud, offset_ns, times):
-    """Move the stamp of a PointCloud2 by offset_ns, and its point times too where they count from the same epoch.
+    """Moves the stamp of a PointCloud2 by offset_ns, and its point times too if they count from the same epoch.
 
-    times: voxnav.PointTimes of the sensor, which this cloud is added to. Raises ValueError for a broken layout.
+    times: voxnav.PointTimes of the sensor, to which this cloud is added. Raises ValueError for an invalid layout.
     """
     stamp_ns = cloud.header.stamp.to_nsec()
     is_timed = times.judge(bytes(cloud.data), layout_of(cloud), stamp_ns)
@@ -49,7 +49,7 @@ def shift_time(cloud, offset_ns, times):
         return
     data = bytearray(cloud.data)
     row_step = cloud.width * cloud.point_step
-    if len(data) >= (cloud.height - 1) * cloud.row_step + row_step:  # else the rows are packed, whatever it says
+    if len(data) >= (cloud.height - 1) * cloud.row_step + row_step:  # else row_step is wrong and the rows are packed
         row_step = max(row_step, cloud.row_step)
     steps = offset_ns * _STEPS_PER_S[report.unit]
     values = np.ndarray((cloud.height, cloud.width), _TIME_TYPES[field.datatype], data, field.offset,

@@ -23,20 +23,20 @@ from voxnav.nodes.poses import pose_from_msg, pose_to_msg, transform_to_msg
 from voxnav.offline.datasets import Imu, Odometry
 
 
-SWEEP_S = 0.1  # of the usual sensors
-LAST_SCAN_LIMIT_S = 10.0  # its poses may never come
+SWEEP_S = 0.1  # the duration of a sweep of common sensors
+LAST_SCAN_LIMIT_S = 10.0  # the limit of the wait for the last scan, whose poses may be missing
 
 
 class PlayerError(RuntimeError):
-    """Nodes do not answer; the text tells which."""
+    """Nodes do not answer; the text names them."""
 
 
 class DataPlayer:
-    """Publishes clouds, IMU and (when the recording has them) poses of a dataset below the UAV's namespace.
+    """Publishes clouds, IMU and, if the recording has them, poses of a dataset below the UAV's namespace.
 
-    wait_for: node -> number of clouds it may lag behind; each cloud waits for their Progress.
-    first_stamp_s: a recording that begins earlier is moved to begin then (zero means "newest" to tf, so it cannot be
-    that); the others keep their stamps.
+    wait_for: {node: number of clouds it may lag behind}; each cloud waits for their Progress.
+    first_stamp_s: a recording that begins earlier is moved to begin at this time, because tf takes a zero stamp for
+    "newest"; other recordings keep their stamps.
     """
 
     def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, T_B_L=None, first_stamp_s=10.0,
@@ -64,7 +64,7 @@ class DataPlayer:
             self._changed.notify_all()
 
     def wait_for_subscribers(self, timeout_s=60.0):
-        """Waits until all subscribers of the topics are connected: they would miss what is played before."""
+        """Waits until all subscribers of the topics are connected, because they would miss earlier messages."""
         deadline = time.monotonic() + timeout_s
         while not self._is_heard():
             if time.monotonic() > deadline:
@@ -80,10 +80,9 @@ class DataPlayer:
             for topic in (self._cloud, self._imu, self._odometry))
 
     def play(self):
-        """Play everything, yielding the number of scans played, and wait until the nodes are done with it, as far as
-        they can be.
+        """Plays the recording, yields the number of scans played, and waits until the nodes have processed it.
 
-        Raises PlayerError when a node stops answering.
+        Raises PlayerError if a node stops answering.
         """
         self.wait_for_subscribers()
         for count, record in enumerate(self._scans(), 1):
@@ -92,7 +91,7 @@ class DataPlayer:
         self._wait_for, self._timeout_s = dict.fromkeys(self._wait_for, 0), LAST_SCAN_LIMIT_S
         try:
             self._await()
-        except PlayerError as error:  # nothing comes any more that would tell the poses of the last scans
+        except PlayerError as error:  # the recording may end before the poses of its last scan
             rospy.logwarn("the recording ends within its last scan: %s", error)
 
     def keep_time(self):
@@ -154,7 +153,7 @@ class DataPlayer:
         self._await()
 
     def _move(self, cloud, stamp):
-        """To the played time, with its point times; the nodes say what is wrong with a cloud that cannot be read."""
+        """Moves a cloud with its point times to the played time. The nodes report clouds that cannot be read."""
         try:
             shift_time(cloud, stamp.to_nsec() - cloud.header.stamp.to_nsec(), self._times)
         except ValueError:
@@ -169,7 +168,7 @@ class DataPlayer:
         return out
 
     def _publish_pose(self, stamp, pose):
-        """As odometry and as tf; the tree is inverted: the origin is a child of the body."""
+        """Publishes a pose as odometry and as tf, in which the origin is a child of the body, as in the MRS system."""
         odometry = OdometryMsg(header=Header(stamp=stamp, frame_id=self._origin_frame), child_frame_id=self._body_frame)
         odometry.pose.pose = pose
         self._odometry.publish(odometry)

@@ -23,10 +23,10 @@ NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "su
          "planning_manager")
 
 FINAL_DIAGNOSTICS_S = 5.0
-# In lock-step: simulated time between two checks of the flight, and wall time for nodes to connect before it begins.
+# In lock-step this is the simulated time between two checks of the flight, and the wall time for nodes to connect.
 LEADER_STEP_S = 0.5
 CONNECTION_S = 3.0
-# Lock-step lets half a second pass at once: what comes in one go must not be cut short.
+# Lock-step lets half a second pass at once, so the queues must hold the messages of that time.
 TRACK_QUEUE = 1000
 WARM_UP_STEPS = 4
 
@@ -39,14 +39,14 @@ class FlightRecorder:
     """Subscribes below the UAV's namespace and fills a voxnav.demo.record.FlightRecord."""
 
     def __init__(self, record, nodes=NODES, odometry_topic="estimation_manager/odom_main", leader=None):
-        """leader: TimeLeader of a lock-step simulation, or None if time runs by itself."""
+        """Subscribes. leader: the TimeLeader of a lock-step simulation, or None if time runs by itself."""
         self.record, self._expected, self._leader = record, nodes, leader
         self._lock = threading.Lock()
         self._nodes, self._status, self._control = {}, None, None
         self._obstacles = None
         self._dropped_before = {}
         self.speed_mps = 0.0
-        self.reasons = []  # reasons of the planner, in order, each change once
+        self.reasons = []  # the reasons of the planner in order, without repetitions in a row
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=TRACK_QUEUE)
         rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=TRACK_QUEUE)
         self._trajectory = rospy.Subscriber(TRAJECTORY, Path, self._on_trajectory, queue_size=1)
@@ -124,7 +124,7 @@ class FlightRecorder:
         return self._leader is not None and self._leader.is_leading
 
     def _let_time_run(self, deadline):
-        """In lock-step, lets time run one step further, until the planner has published its status of that instant."""
+        """Lets time run one step further in lock-step, until the planner has published its status of that instant."""
         try:
             now_s = self._leader.run_for(LEADER_STEP_S)
         except TimeoutError as error:

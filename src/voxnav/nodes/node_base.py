@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Start and diagnostics, which all rospy nodes of voxnav share."""
+"""The start and the diagnostics of all rospy nodes of voxnav."""
 
 import contextlib
 import sys
@@ -29,7 +29,7 @@ class Diagnostics:
 
     @contextlib.contextmanager
     def time(self, stage):
-        """Context manager that adds wall and CPU time of the calling thread to a stage."""
+        """Measures a `with` block, whose wall and CPU time in the calling thread is added to a stage."""
         wall, cpu = time.monotonic(), time.thread_time()
         try:
             yield

@@ -19,7 +19,7 @@ class GridFeed:
     """Applies one GridUpdate topic to a layer of the NavigationMap; requests a snapshot if a change was missed."""
 
     def __init__(self, topic, service, apply, on_applied, timeout_s, seam):
-        """on_applied(stamp_s) is called for every update that has been taken."""
+        """Subscribes. on_applied(stamp_s) is called for every update that has been applied."""
         self._apply, self._on_applied, self._seam = apply, on_applied, seam
         self._service = TimedService(service, GetGrid, timeout_s, seam)
         self._recent = collections.deque(maxlen=30)  # changes that come while the snapshot is on its way

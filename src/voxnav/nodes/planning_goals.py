@@ -21,7 +21,7 @@ def yaw_of(R):
 
 
 class PlanningGoals:
-    """set_goal(goal_W, heading_W or None) -> problem and stop() -> text are called for every command."""
+    """Calls set_goal(goal_W, heading_W or None), which returns a problem, and stop(), which returns a text."""
 
     def __init__(self, inputs, uav_name, set_goal, stop):
         self._inputs, self._uav_name, self._set_goal, self._stop = inputs, uav_name, set_goal, stop
@@ -36,7 +36,7 @@ class PlanningGoals:
         try:
             heading = yaw_of(matrix(p, q))
         except ValueError:
-            heading = None  # an empty orientation: any heading will do
+            heading = None  # a message without orientation leaves the heading free
         # rviz clicks on the ground plane: the altitude stays as it is.
         self._report(self._take(msg.header.frame_id, (p.x, p.y, p.z), heading, keeps_altitude=p.z == 0.0))
 
@@ -82,7 +82,7 @@ class PlanningGoals:
         return float(T[2, :3].dot(position) + T[2, 3])
 
     def _to_map(self, frame):
-        """T_W_F. An empty frame is the control frame, as in MRS; a short name belongs to this UAV."""
+        """Returns T_W_F. An empty frame is the control frame, as in MRS; a short name belongs to this UAV."""
         inputs = self._inputs
         names = [frame] if "/" in frame or not self._uav_name else [frame, self._uav_name + "/" + frame]
         if inputs.map_frame in names:

@@ -30,7 +30,7 @@ class TimedService:
     """A service client whose calls end after a time, whatever the server does. Thread-safe."""
 
     def __init__(self, name, service_class, timeout_s, seam):
-        """seam: a time seam of voxnav.nodes.time_seam, which measures the time."""
+        """Makes a client. seam: the time seam of voxnav.nodes.time_seam, by which timeouts are measured."""
         self._proxy, self._seam = rospy.ServiceProxy(name, service_class), seam
         self._timeout_s = timeout_s
         self._lock = threading.Lock()

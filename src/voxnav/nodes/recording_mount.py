@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Publishes where the LiDAR of a recording sits, beside the player of that recording."""
+"""Publishes the mount of the LiDAR of a recording, beside the player of that recording."""
 
 import numpy as np
 import rospy
@@ -15,9 +15,9 @@ from voxnav.recordings.plan import BagOptions, RecordingPlan
 
 
 def missing_link(plan, body_frame):
-    """(parent, child, T_parent_child) that ties the frames of the clouds to body_frame; None where the recording does.
+    """Returns the link (parent, child, T_parent_child) that is missing between body_frame and the frame of the clouds.
 
-    Raises DatasetError where nothing tells how.
+    It is None if the recording has a chain between them. Raises DatasetError if the mount is not known.
     """
     if plan.error is not None:
         raise DatasetError(plan.error)
@@ -34,7 +34,10 @@ def missing_link(plan, body_frame):
 
 
 def main():
-    """Parameters: ~bags, paths divided by blanks; ~body_frame; ~uses_lidar_odometry. Returns the exit status."""
+    """Runs the node and returns its exit status.
+
+    Parameters: ~bags, paths separated by blanks; ~body_frame; ~uses_lidar_odometry.
+    """
     rospy.init_node("recording_mount")
     source = voxnav.PoseSource.LIDAR if rospy.get_param("~uses_lidar_odometry", True) else voxnav.PoseSource.AUTO
     try:

@@ -37,10 +37,10 @@ def exact_time(seconds):
 
 
 class ProgressPublisher:
-    """Reports to whoever lets time pass (the simulator, a player) which inputs are done and which are about to come."""
+    """Reports to the simulator or a player, which let time pass, which inputs are done and which are about to come."""
 
     def __init__(self, config, node):
-        """config: voxnav.TimeConfig"""
+        """Makes the publisher of a node. config: voxnav.TimeConfig."""
         self._node, self._consumers = node, list(config.consumers) if config.waits_for_simulation else []
         self._publisher = rospy.Publisher("~progress_out", Progress, queue_size=50)
 
@@ -86,7 +86,7 @@ class RealTime:
 
     @staticmethod
     def now():
-        """rospy.Time"""
+        """Returns the time of ROS as rospy.Time."""
         return rospy.Time.now()
 
     @staticmethod
@@ -140,7 +140,7 @@ class WaitingSimulation:
     executor = InlineExecutor
 
     def __init__(self, progress):
-        """progress: ProgressPublisher"""
+        """Makes a seam that reports to a ProgressPublisher."""
         self._progress, self._periodic, self._is_caught_up = progress, [], None
         self._held = collections.deque(maxlen=MAX_HELD_INPUTS)  # (stamp_s, take, arguments)
         self._lock, self._arrived = threading.Lock(), threading.Condition()

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Mapping from recordings as fast as the machine allows: readers, runner, outputs, report."""
+"""This package maps recordings as fast as the machine allows: readers, runner, outputs and report."""

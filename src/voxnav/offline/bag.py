@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rosbags as a stream of records (see ``datasets``)."""
+"""Reads rosbags as a stream of records (see ``datasets``)."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from voxnav.recordings.plan import BagOptions, RecordingPlan
 
 
 class Bag:
-    """Clouds, and odometry and IMU where there are any, of the bags of one recording.
+    """The clouds of the bags of one recording, with its odometry and IMU samples if there are any.
 
     Records come with rising stamps, a cloud after the odometry and the IMU samples of its sweep; IMU samples are in
-    the axes of the body. What is left out is counted in ``left_out``. Raises DatasetError.
+    the axes of the body. Messages that are left out are counted in ``left_out``. Raises DatasetError.
     """
 
     def __init__(self, paths: Sequence[str], options: BagOptions = BagOptions()) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One pass over the messages of a recording: stamps put right, in order, as records."""
+"""Makes one pass over the messages of a recording, corrects their stamps, and yields them in order as records."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from voxnav.recordings.survey import TopicSurvey
 
 
 class BagStream:
-    """plan: without error. left_out: takes what is not used, with its reason."""
+    """The records of a recording. plan: a plan without error; left_out: counts messages that are not used."""
 
     def __init__(self, plan: RecordingPlan, files: BagFiles, left_out: LeftOut) -> None:
         assert plan.cloud is not None and plan.mount is not None
@@ -34,7 +34,7 @@ class BagStream:
         self._lone_poses = LonePoses()
 
     def records(self) -> Iterator[Imu | Odometry | Scan]:
-        """All that can be used. Messages are read once; what is held of them is bounded."""
+        """Yields all records that can be used. Messages are read once, and the memory for them is bounded."""
         self._files.left_out = self._left_out
         going_on = dict(self._topics)
         for message in self._files.messages(list(self._topics)):
@@ -46,7 +46,7 @@ class BagStream:
             yield from self._end(name)
 
     def notes(self) -> list[str]:
-        """What happened to clocks and order, for people."""
+        """Returns sentences on clocks and the order of messages, for people."""
         out = [note for clock in self._clocks.values() for note in clock.notes]
         if self._order.num_forced:
             out.append("%d messages did not wait for those of other topics, which came too late" %
@@ -95,14 +95,14 @@ class BagStream:
                 yield from self._record(ready)
 
     def _pose(self, stamped: Stamped) -> Posed | None:
-        """The stamped pose with its record as payload; None when it is left out."""
+        """Returns the pose of a message with its record as payload, or None if it is left out."""
         try:
             msg = stamped.payload.make()
             if self._plan.odometry is not None and frame_name(msg.child_frame_id) != self._plan.odometry.child:
                 raise ValueError("its body is '%s', that of the others '%s'" % (
                     frame_name(msg.child_frame_id), self._plan.odometry.child))
             record = self._odometry(stamped.stamp_ns, msg)
-            T = voxnav.pose_from_quaternion(record.position, record.q_xyzw)  # refuses what is no pose
+            T = voxnav.pose_from_quaternion(record.position, record.q_xyzw)  # raises ValueError for invalid poses
         except ValueError as error:
             self._left_out.add("odometry", str(error), stamped.stamp_ns)
             return None
@@ -117,7 +117,7 @@ class BagStream:
         return Odometry(stamp_ns, position, (q.x, q.y, q.z, q.w))
 
     def _record(self, stamped: Stamped) -> Iterator[Imu | Odometry | Scan]:
-        """The message as a record; one that cannot be used is left out."""
+        """Yields a message as a record; one that cannot be used is left out."""
         if isinstance(stamped.payload, Odometry):
             yield stamped.payload
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""``scripts/check_recording``: what is in a recording, and what voxnav will make of it, in seconds."""
+"""``scripts/check_recording``: prints within seconds what is in a recording and how voxnav will use it."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ NOT_COVERED = 3  # exit status of a run whose map does not cover the recording
 
 
 class ProgressBar:
-    """One line on the terminal; ten lines in all if the output is not a terminal."""
+    """Shows progress as one line on a terminal, or as ten lines if the output is not a terminal."""
 
     def __init__(self, total: int) -> None:
         self._total, self._started, self._last = max(total, 1), time.monotonic(), -1
@@ -76,7 +76,7 @@ def _dataset(args: argparse.Namespace, configs: dict[str, Any]) -> tuple[ScanFol
 
 
 def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
-    """Everything of a recording. Raises DatasetError when no scan could be mapped."""
+    """Maps a recording. Raises DatasetError if no scan could be mapped."""
     bar, done = ProgressBar(dataset.num_scans), 0
     for record in dataset:
         mapper.add(record)
@@ -114,7 +114,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _say(metrics: dict[str, Any]) -> None:
-    """What is to be known of a run, the list of what was left out last."""
+    """Prints the results of a run, with the list of what was left out at the end."""
     for name, stage in sorted(metrics["stages"].items()):
         print("%-20s %6d calls  mean %8.2f ms  p99 %8.2f ms  max %8.2f ms" % (
             name, stage["count"], stage["mean_ms"], stage["p99_ms"], stage["max_ms"]))

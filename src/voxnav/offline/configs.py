@@ -30,7 +30,7 @@ SECTIONS: Dict[str, Any] = {
 
 
 def load_configs(tree: Any) -> dict[str, Any]:
-    """Returns the configuration objects by section, from a dict as YAML gives it.
+    """Returns the configuration objects by section, from a dict that was read from YAML.
 
     Raises voxnav.ConfigError listing every problem of every section; unknown sections are problems too.
     """
@@ -55,7 +55,7 @@ def load_configs(tree: Any) -> dict[str, Any]:
 
 
 def _tree_of(path: str) -> dict[str, Any]:
-    """Raises ConfigError naming file and line."""
+    """Returns the content of a YAML file. Raises ConfigError naming file and line."""
     with open(path) as source:
         try:
             tree = yaml.safe_load(source) or {}
@@ -67,7 +67,10 @@ def _tree_of(path: str) -> dict[str, Any]:
 
 
 def load_files(path: str | None) -> dict[str, Any]:
-    """config/map_bag.yaml, and over it a file of somebody's own. Raises ConfigError."""
+    """Returns the configuration of config/map_bag.yaml, in which a file of the user may replace values.
+
+    Raises ConfigError.
+    """
     tree = _tree_of(repository_file("config/map_bag.yaml"))
     for section, values in (_tree_of(path) if path else {}).items():
         tree[section] = dict(tree.get(section) or {}, **(values or {})) if isinstance(values, dict) else values
@@ -91,7 +94,7 @@ def mount_of(position_m: ArrayLike, rpy_rad: ArrayLike) -> Array:
 
 
 def mount_from_words(text: str) -> Array:
-    """(4, 4) T_B_L of 'X Y Z ROLL PITCH YAW', metres and radians. Raises ValueError."""
+    """Returns T_B_L (4, 4) from 'X Y Z ROLL PITCH YAW' in metres and radians. Raises ValueError."""
     words = text.replace(",", " ").split()
     try:
         values = [float(word) for word in words]
@@ -103,7 +106,7 @@ def mount_from_words(text: str) -> Array:
 
 
 def given_mount(words: str | None, settings: Any) -> Array | None:
-    """T_B_L as somebody gives it, (4, 4); None when it is to be taken from the recording. words: of --mount."""
+    """Returns the mount T_B_L (4, 4) that the user gives, or None to take it from the recording. words: of --mount."""
     if words:
         return mount_from_words(words)
     source = settings.mount_source
@@ -114,7 +117,7 @@ def given_mount(words: str | None, settings: Any) -> Array | None:
 
 
 def options_of(configs: dict[str, Any], T_B_L: Array | None) -> BagOptions:
-    """How a bag is to be read."""
+    """Returns the options for reading a bag."""
     settings = configs["run"]
     return BagOptions(settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L, settings.pose_source,
                       configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether what was mapped covers what was recorded."""
+"""Judges whether the mapped scans cover the recording."""
 
 from __future__ import annotations
 
-# A recording counts as covered when so many of its scans are in the map and no longer stretch is missing.
+# A recording is covered if at least this share of its scans is in the map and no hole is longer than MAX_HOLE_S.
 MIN_SHARE = 0.9
-# A scan at the beginning and one at the end may lie outside of the poses, however short the recording is.
+# In a recording of any length, a scan at the beginning and one at the end may lie outside of the poses.
 NUM_EDGE_SCANS = 2
 MAX_HOLE_S = 1.0
 
 
 class Coverage:
-    """Told of each scan, in any order, whether it was mapped. Stamps in seconds."""
+    """Collects for each scan, in any order, whether it was mapped. Stamps are in seconds."""
 
     def __init__(self) -> None:
         self._scans: list[tuple[float, bool]] = []
@@ -21,7 +21,7 @@ class Coverage:
         self._scans.append((stamp_s, is_used))
 
     def add_lost(self, count: int) -> None:
-        """Scans that could not even be read, at times that nobody knows."""
+        """Adds scans that could not be read, whose times are not known."""
         self._num_lost += count
 
     @property
@@ -38,8 +38,10 @@ class Coverage:
 
     @property
     def longest_hole_s(self) -> float:
-        """The longest time from one mapped scan, or the first of all, to the next, or the last of all, with scans in
-        between that were not mapped."""
+        """Returns the longest time between two mapped scans with scans between them that were not mapped.
+
+        The first and the last scan of all count as mapped here.
+        """
         longest, start, has_lost = 0.0, None, False
         for stamp_s, is_used in sorted(self._scans):
             start = stamp_s if start is None else start

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings as one stream: folders of raw scans, and rosbags.
+"""Recordings, which are folders of raw scans or rosbags, as streams of records.
 
-A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep, and
-knows ``num_scans`` for the progress bar, and whether it ``has_poses`` and ``has_imu``. ``warnings`` lists what was
-wrong with the recording but could be passed over, ``left_out`` counts what was not used, and ``origin_m`` is what was
-subtracted from its positions, None where nothing was.
+A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep. It
+has ``num_scans`` for the progress bar, and the flags ``has_poses`` and ``has_imu``. ``warnings`` lists faults that do
+not prevent mapping, ``left_out`` counts messages that were not used, and ``origin_m`` was subtracted from its positions
+(None: nothing was).
 """
 
 from __future__ import annotations
@@ -22,8 +22,11 @@ from voxnav.recordings.left_out import LeftOut
 
 
 class Scan(NamedTuple):
-    """One cloud. stamp_ns: start of the sweep; points: (n, 4) float32 x y z intensity, frame L, or (h, w, 4) when the
-    scan is organised; raw: message with its field layout instead of points; T_O_L: (4, 4), one pose for the scan."""
+    """One cloud.
+
+    stamp_ns: the start of the sweep; points: (n, 4) float32 x y z intensity in frame L, or (h, w, 4) if organised;
+    raw: a message with its field layout instead of points; T_O_L: (4, 4), one pose for the scan.
+    """
 
     stamp_ns: int
     points: Array | None
@@ -40,7 +43,7 @@ class Imu(NamedTuple):
 
 
 class Odometry(NamedTuple):
-    """Pose of the body as the recording has it: position [m] and quaternion x y z w."""
+    """A recorded pose of the body: position in metres and quaternion x y z w."""
 
     stamp_ns: int
     position: tuple[float, float, float]
@@ -51,9 +54,9 @@ MAX_WARNINGS = 1000
 
 
 class ScanFolder:
-    """``scans/%06d.bin`` (float32 x y z intensity rows), ``times.txt`` and TUM poses.
+    """A folder with ``scans/%06d.bin`` (float32 rows x y z intensity), ``times.txt`` and poses in TUM format.
 
-    Raises DatasetError naming the file when something is missing, truncated or of another length.
+    Raises DatasetError naming a file that is missing, truncated or of another length.
     """
 
     def __init__(self, directory: str, poses: str | None = None) -> None:

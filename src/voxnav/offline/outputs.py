@@ -74,7 +74,7 @@ def _errors(reference: tuple[Array, Array], stamps: ArrayLike, odometry: Array, 
             out["ate_%s_m" % name] = evaluation.absolute_trajectory_error(
                 np.asarray(times), poses[:, :3, 3], reference[0], reference[1])
         except evaluation.EvaluationError:
-            continue  # no overlap in time: nothing was measured
+            continue  # without overlap in time nothing can be measured
     return out
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gaps in recorded odometry, covered by LiDAR odometry.
+"""Fills gaps in recorded odometry by LiDAR odometry.
 
-Poses far apart do not tell where the body was between them (``mapper/max_pose_gap_s``). While odometry is silent, LiDAR
-odometry runs from the last sweeps before on, fixed to the recorded pose of the last of them.
+Poses are not interpolated over more than ``mapper/max_pose_gap_s``. In a longer gap LiDAR odometry begins with the last
+sweeps before the gap, and its frame is fixed by the recorded pose of the last of them.
 """
 
 from __future__ import annotations
@@ -16,37 +16,39 @@ import voxnav
 from voxnav.array_types import Array
 from voxnav.offline.datasets import Imu
 
-# What is kept of before a gap: enough sweeps to begin a map with, and all IMU samples and poses of that time.
+# From before a gap these are kept: enough sweeps to begin a map, and the IMU samples and poses of this time.
 _NUM_SWEEPS = 5
 _KEPT_NS = 2_000_000_000
 
 
 class TrackedPose(NamedTuple):
-    """T: (4, 4), frame O or that of a LiDAR odometry."""
+    """A stamped pose T (4, 4) in frame O or in the frame of a LiDAR odometry."""
 
     stamp_ns: int
     T: Array
 
 
 class _Gap:
-    """One run of LiDAR odometry. Its poses are given in O once a sweep before the gap ties it to the recorded ones."""
+    """One run of LiDAR odometry. Its poses are in O once a sweep before the gap relates it to the recorded poses."""
 
     def __init__(self, config: Any, T_B_L: Array, last: TrackedPose) -> None:
         self.odometry = voxnav.LidarOdometry(config, T_B_L)
-        self.last = last  # before the gap
-        self.num_sweeps = 0  # whose poses it gave
-        self._T_O_V: Array | None = None  # V: origin of this LiDAR odometry
+        self.last = last  # the last recorded pose before the gap
+        self.num_sweeps = 0  # the number of sweeps for which it found poses
+        self._T_O_V: Array | None = None  # V is the origin of this LiDAR odometry
         self._given_ns = last.stamp_ns
 
     def add_imu(self, imu: Imu) -> None:
         self.odometry.add_imu(np.array([imu.stamp_ns]), imu.gyro.reshape(1, 3), imu.accel.reshape(1, 3))
 
     def add_sweep(self, sweep: Any, T_O_B: Array | None) -> TrackedPose | None:
-        """T_O_B: recorded pose at the start of the sweep, where there is one. Returns the pose that was found there,
-        where there is none."""
+        """Adds a sweep. Returns the pose that was found at its start, unless a pose was recorded there.
+
+        T_O_B: the recorded pose at the start of the sweep, or None.
+        """
         result = self.odometry.add_cloud(1e-9 * sweep.start_ns, sweep.points, 1e-9 * sweep.time_offsets_ns)
         if not result.is_new or result.quality.state == voxnav.OdometryState.COASTING:
-            return None  # a pose for which nothing speaks is none
+            return None  # a pose that is only predicted is not used
         if T_O_B is not None:
             self._T_O_V = T_O_B @ np.linalg.inv(result.pose)
             return None
@@ -58,9 +60,9 @@ class _Gap:
 
 
 class PoseGaps:
-    """Told all poses, IMU samples and sweeps of a recording; finds poses where odometry is silent.
+    """Takes all poses, IMU samples and sweeps of a recording, and finds poses in gaps of the odometry.
 
-    notes: one sentence per gap. config: LidarOdometryConfig, or None: gaps are noted and not covered.
+    notes: a sentence for each gap. config: LidarOdometryConfig; with None gaps are noted but not filled.
     """
 
     def __init__(self, config: Any, T_B_L: Array, max_gap_s: float) -> None:
@@ -73,7 +75,7 @@ class PoseGaps:
         self._gap: _Gap | None = None
 
     def add_pose(self, stamp_ns: int, T_O_B: Array) -> list[TrackedPose]:
-        """A recorded pose. Returns those that are to be known before it, found by LiDAR odometry."""
+        """Adds a recorded pose. Returns the poses before it that LiDAR odometry found."""
         found: list[TrackedPose] = []
         last = self._poses[-1] if self._poses else None
         if last is not None and stamp_ns <= last.stamp_ns:
@@ -94,7 +96,7 @@ class PoseGaps:
             self._gap.add_imu(imu)
 
     def add_sweep(self, sweep: Any) -> list[TrackedPose]:
-        """A sweep, after all poses of its time. Returns the poses that LiDAR odometry finds for it, if it is needed."""
+        """Adds a sweep, after all poses of its time. Returns the poses of LiDAR odometry if the sweep lies in a gap."""
         self._sweeps.append(sweep)
         if not self._poses:
             return []
@@ -107,7 +109,7 @@ class PoseGaps:
         return self._begin(last)
 
     def end(self) -> None:
-        """The recording ends: odometry that never came back is noted."""
+        """Ends the recording, and notes odometry that ended before."""
         if self._gap is not None and self._sweeps:
             self._note(self._gap.last, self._sweeps[-1].start_ns, is_end=True)
 
@@ -121,7 +123,7 @@ class PoseGaps:
         return [pose for pose in found if pose is not None]
 
     def _recorded(self, stamp_ns: int) -> Array | None:
-        """(4, 4) recorded pose at a stamp; None outside of the poses that are kept, and within gaps."""
+        """Returns the recorded pose (4, 4) at a stamp, or None outside of the poses that are kept and within gaps."""
         for before, after in zip(self._poses, list(self._poses)[1:]):
             if before.stamp_ns <= stamp_ns <= after.stamp_ns and after.stamp_ns - before.stamp_ns <= self._max_gap_ns:
                 ratio = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)

@@ -20,7 +20,7 @@ from voxnav.recordings.left_out import LeftOut
 
 
 class Stages:
-    """Wall and CPU time of every stage, in constant memory."""
+    """The wall and CPU time of every stage, in constant memory."""
 
     def __init__(self) -> None:
         self._stages: dict[str, voxnav.StageStatistics] = {}
@@ -43,7 +43,7 @@ class Stages:
 
 
 def _reasons(counts: dict[str, int]) -> str:
-    """What became of the points of a cloud of which none was kept."""
+    """Returns the reasons for which the points of a cloud were removed, with their counts."""
     return ", ".join("%s %d" % (name, count) for name, count in sorted(counts.items()) if count)
 
 
@@ -67,13 +67,13 @@ class OfflineMapper:
         self._assembler = voxnav.SubmapAssembler(configs["submap"])
         T_B_L = voxnav.as_sent(np.ascontiguousarray(T_B_L))
         self._T_L_B = np.linalg.inv(T_B_L)
-        # What "auto" means: recorded poses where there are any, and LiDAR odometry otherwise.
+        # With "auto" the recorded poses are used, and LiDAR odometry fills their gaps. Without any it gives all poses.
         covers_gaps = source == voxnav.PoseSource.AUTO and not self._uses_odometry
         self.gaps = PoseGaps(configs["odometry"] if covers_gaps else None, T_B_L, configs["mapper"].max_pose_gap_s)
         self.coverage = Coverage()
         self.left_out = LeftOut()
-        self.page: list[str] = []  # what the recording is like, for people
-        self.origin_m: Array | None = None  # what the recording's positions were brought nearer by
+        self.page: list[str] = []  # the description of the recording, for people
+        self.origin_m: Array | None = None  # was subtracted from the positions of the recording; None: nothing was
         self.filter = voxnav.CloudFilter(configs["filter"])
         self._pcl_filters = voxnav.make_pcl_filters(configs["pcl"])
         self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
@@ -96,7 +96,7 @@ class OfflineMapper:
 
     @property
     def map(self) -> voxnav.LocalMap:
-        """The local map."""
+        """Returns the local map."""
         return self.mapper.map
 
     def add(self, record: Imu | Odometry | Scan) -> None:
@@ -112,11 +112,11 @@ class OfflineMapper:
         self._map_ready()
 
     def expect_imu(self) -> None:
-        """The recording has an IMU: scans wait until it has shown where up is, for LiDAR odometry."""
+        """Makes scans wait until the IMU has shown the vertical to LiDAR odometry, as the recording has an IMU."""
         self.mapper.expect_imu()
 
     def end_input(self) -> None:
-        """Maps the scans that still wait, for there will be nothing more."""
+        """Maps the scans that still wait, because no more records will come."""
         if self._has_ended:
             return
         self._has_ended = True
@@ -150,7 +150,7 @@ class OfflineMapper:
                 self.left_out.add("odometry", "its stamp is not newer than the one before", pose.stamp_ns)
 
     def _add_scan(self, scan: Scan) -> None:
-        """A cloud that cannot be read, or shows nothing, costs itself alone."""
+        """Adds a scan to the mapper. A cloud that cannot be read, or has no points left, is only counted."""
         try:
             with self.stages.time("filter"):
                 filtered, open_beams = self._filter(scan)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The planning manager: a goal in, verified trajectories out. Plain Python, without ROS, threads and clocks.
+"""The planning manager turns a goal into verified trajectories, in plain Python without ROS, threads and clocks.
 
 There are three states (states.py), each with its own data. Every transition is a function of the state, the time and
 the event, and returns the next state and the actions to be done (actions.py). C++ does what must be fast or exact: the
@@ -40,7 +40,7 @@ P, M       check: and there is no room to stop,     Planning                  Ho
            or shortening has not come in time
 =========  =======================================  ========================  ======================  ================
 
-P is Planning, M is Moving. Anything else, and answers to jobs that no longer matter, leave the state as it is.
+P is Planning, M is Moving. All other events, and answers to jobs that no longer matter, leave the state as it is.
 """
 
 from voxnav.planning_manager.actions import Action, Generate, Hover, Plan, Publish

@@ -19,7 +19,7 @@ PROGRESS_M = 1.0
 
 
 def tick(state: State, facts: Facts) -> Step:
-    """One step of the main loop. Its rules are tried in order; the first one that applies decides."""
+    """Makes one step of the main loop. Its rules are tried in order; the first one that applies decides."""
     state = watch(state, facts)
     theirs = taken_over(state, facts)
     if theirs is not None:

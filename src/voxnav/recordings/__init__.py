@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is in a recording: files, topics, clocks, frames, and what of it can be used."""
+"""This package finds out what is in a recording (files, topics, clocks, frames) and which parts of it can be used."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rosbags as one stream of messages, in the order of their recording, whatever of them is damaged."""
+"""Reads rosbags as one stream of messages in the order of their recording, even if parts of the files are damaged."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from voxnav.recordings.left_out import LeftOut
 
 
 class Topic(NamedTuple):
-    """A topic of all files together. kind: its message type, as ``sensor_msgs/Imu``."""
+    """A topic of all files together. kind: its message type, for example ``sensor_msgs/Imu``."""
 
     name: str
     kind: str
@@ -28,7 +28,7 @@ class Topic(NamedTuple):
 
 
 class RawMessage(NamedTuple):
-    """One message as it stands in the file. record_ns: when it was recorded; make(): the message it holds."""
+    """A message as bytes of the file. record_ns: the time at which it was recorded."""
 
     topic: str
     record_ns: int
@@ -36,7 +36,7 @@ class RawMessage(NamedTuple):
     kind: Any
 
     def make(self) -> Any:
-        """The message. Raises ValueError where its bytes do not fit its type."""
+        """Returns the message. Raises ValueError if its bytes do not fit its type."""
         msg = self.kind()
         try:
             msg.deserialize(self.data)
@@ -45,8 +45,10 @@ class RawMessage(NamedTuple):
         return msg
 
     def header(self) -> tuple[int, str]:
-        """(stamp [ns], frame id without a leading slash) of a message that begins with a std_msgs/Header, without
-        reading the rest of it. Raises ValueError where the message is shorter."""
+        """Returns (stamp in ns, frame id without a leading slash) of a message that begins with a std_msgs/Header.
+
+        The rest of the message is not read. Raises ValueError if the message is shorter than a header.
+        """
         try:
             _, seconds, nanoseconds, length = struct.unpack_from("<IIII", self.data)
         except struct.error:
@@ -60,12 +62,12 @@ TF_TOPICS = ("/tf_static", "tf_static", "/tf", "tf")
 
 
 def frame_name(frame_id: str) -> str:
-    """A frame id as tf2 has it: without the leading slash of tf."""
+    """Returns a frame id in the form of tf2, without the leading slash of tf."""
     return str(frame_id).lstrip("/")
 
 
 def _repaired(path: str) -> tuple[Any, str]:
-    """A readable copy of a bag without index, and its path."""
+    """Returns a readable copy of a bag that has no index, and its path."""
     import rosbag
 
     copy = tempfile.NamedTemporaryFile(suffix=".bag", delete=False)
@@ -84,7 +86,7 @@ def _repaired(path: str) -> tuple[Any, str]:
 class BagFiles:
     """The bags of one recording, given in any order. Damaged messages are left out and counted in ``left_out``.
 
-    warnings: what was wrong with the files. Raises DatasetError naming the file that cannot be read.
+    warnings: sentences on damaged files. Raises DatasetError naming the file that cannot be read.
     """
 
     def __init__(self, paths: Sequence[str]) -> None:
@@ -92,7 +94,7 @@ class BagFiles:
         self.left_out = LeftOut()
         self._bags: list[Any] = []
         self._indexes: list[BagIndex] = []
-        # Whoever forgets to close the files, or is killed by an exception, leaves no copy of a recording behind.
+        # Copies are removed even if the files are not closed, for example because of an exception.
         self._copies: list[weakref.finalize] = []  # type: ignore[type-arg]
         self.size_bytes = 0
         try:
@@ -103,7 +105,7 @@ class BagFiles:
             raise
 
     def _open(self, path: str) -> None:
-        import rosbag  # here, so that raw scan folders need no ROS
+        import rosbag  # imported here, so that folders of raw scans can be mapped without ROS
 
         if not os.path.exists(path):
             raise DatasetError("%s: no such file" % path)
@@ -119,7 +121,7 @@ class BagFiles:
             raise DatasetError("%s: not a readable bag: %s" % (path, error))
         try:
             self._indexes.append(BagIndex(self._bags[-1]))
-        except Exception as error:  # the index is read only now
+        except Exception as error:  # rosbag reads the index only on the first access
             raise DatasetError("%s: its index cannot be read: %s" % (path, error))
         self.warnings += self._indexes[-1].notes
 
@@ -131,7 +133,7 @@ class BagFiles:
         self._bags, self._indexes, self._copies = [], [], []
 
     def topics(self) -> dict[str, Topic]:
-        """Topics with messages, by name."""
+        """Returns the topics that have messages, by name."""
         out: dict[str, Topic] = {}
         for bag in self._bags:
             for name, info in bag.get_type_and_topic_info().topics.items():
@@ -141,18 +143,18 @@ class BagFiles:
         return out
 
     def record_times_ns(self, topic: str) -> Array:
-        """(n,) int64, sorted: when the messages of a topic were recorded, from the index, without reading them."""
+        """Returns the sorted record times (n,) int64 of a topic from the index, without reading its messages."""
         return np.sort(np.concatenate([index.times_ns(topic) for index in self._indexes]))
 
     def messages(self, topics: Sequence[str], from_ns: int | None = None,
                  until_ns: int | None = None) -> Iterator[RawMessage]:
-        """Messages of some topics in the order of their record times, both limits included."""
+        """Yields messages of some topics in the order of their record times; both limits are included."""
         streams = [self._of(bag, *index.places(topics, from_ns, until_ns))
                    for bag, index in zip(self._bags, self._indexes)]
         yield from heapq.merge(*streams, key=lambda message: message.record_ns)
 
     def _of(self, bag: Any, times_ns: Array, places: Array) -> Iterator[RawMessage]:
-        """rosbag's own reading ends at the first damaged message; so they are read one by one."""
+        """Reads messages one by one, because rosbag would stop at the first damaged one."""
         damaged_chunk = None
         has_chunks = hasattr(bag._reader, "decompressed_chunk_pos")
         for record_ns, (chunk, offset) in zip(times_ns.tolist(), places.tolist()):
@@ -163,7 +165,7 @@ class BagFiles:
                 position = (chunk, offset) if has_chunks else chunk
                 topic, (_, data, _, _, kind), _ = bag._read_message(position, raw=True)
             except Exception:  # the reader fails in many ways on damaged bytes
-                # A chunk that cannot be unpacked is lost as a whole; in one that can, only this message is.
+                # A chunk that cannot be decompressed is lost as a whole; otherwise only this message is lost.
                 if has_chunks and bag._reader.decompressed_chunk_pos != chunk:
                     damaged_chunk = chunk
                 self._count_damage(record_ns)

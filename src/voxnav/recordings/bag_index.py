@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""When each message of a bag was recorded, and where it lies, from the index that ends the file."""
+"""Reads the record time and the place of each message of a bag from the index at the end of the file."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ import numpy as np
 
 from voxnav.array_types import Array
 
-# Record times of one topic that fall by more than this, in the order of the file, are of a clock that was set.
+# If record times of one topic fall by more than this in the order of the file, the clock of the recorder was set back.
 _STEP_NS = 1_000_000_000
 
 
 class BagIndex:
-    """Record times in nanoseconds; a bag that was recorded while its clock was set back has them go on evenly.
+    """Record times in nanoseconds and places of the messages of a bag.
 
-    notes: what was set right. O(n log n) for n messages; 24 bytes for each.
+    If the clock of the recorder was set back, earlier record times are moved so that all of them rise.
+    notes: sentences on what was moved. O(n log n) for n messages, with 24 bytes for each.
     """
 
     def __init__(self, bag: Any) -> None:
         self.notes: List[str] = []
         self._bag = bag
-        self._times: Dict[int, Array] = {}  # by connection
-        self._places: Dict[int, Array] = {}  # (n, 2): chunk, offset
-        bag._get_indexes(None)  # reads it
+        self._times: Dict[int, Array] = {}  # record times by connection
+        self._places: Dict[int, Array] = {}  # (n, 2) by connection: chunk, offset
+        bag._get_indexes(None)  # makes rosbag read the index
         for connection, index in bag._connection_indexes.items():
             self._times[connection] = np.array([entry.time.to_nsec() for entry in index], dtype=np.int64)
             self._places[connection] = np.array([_place(entry.position) for entry in index],
@@ -33,9 +34,9 @@ class BagIndex:
             self._undo_steps()
 
     def _undo_steps(self) -> None:
-        """The file is in the order of recording: what follows a step back is moved to come after what was before.
+        """Moves record times before a step back of the clock, so that they come before those after it.
 
-        The clock is taken to be right at the end, as it was set to be: the beginning is moved.
+        The file is in the order of recording. The clock is assumed to be right at the end, because somebody set it.
         """
         connections = [connection for connection, times in self._times.items() if len(times)]
         times = np.concatenate([self._times[connection] for connection in connections])
@@ -59,12 +60,12 @@ class BagIndex:
         return sorted(connection.id for connection in wanted if connection.id in self._times)
 
     def times_ns(self, topic: str) -> Array:
-        """(n,) int64, sorted."""
+        """Returns the sorted record times (n,) int64 of a topic."""
         times = [self._times[connection] for connection in self._chosen([topic])]
         return np.sort(np.concatenate(times)) if times else np.empty(0, dtype=np.int64)
 
     def places(self, topics: Sequence[str], from_ns: int | None, until_ns: int | None) -> tuple[Array, Array]:
-        """((n,) int64 record times, (n, 2) int64 places), sorted by time, both limits included."""
+        """Returns record times (n,) int64 and places (n, 2) int64, sorted by time; both limits are included."""
         chosen = self._chosen(topics)
         if not chosen:
             return np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
@@ -77,5 +78,5 @@ class BagIndex:
 
 
 def _place(position: Any) -> tuple[int, int]:
-    """Files of version 1.2 have no chunks, and each message stands for itself."""
+    """Returns (chunk, offset). Files of version 1.2 have no chunks, so each message counts as a chunk."""
     return (position[0], position[1]) if isinstance(position, tuple) else (position, 0)

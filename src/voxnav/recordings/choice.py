@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which topics of a recording are used, and why: what a topic is like decides, not its name."""
+"""Chooses the topics of a recording that are used, by their content rather than by their names, and tells why."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from voxnav.recordings.cloud_samples import LIDAR_FIELDS
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.survey import CLOUD, IMU, ODOMETRY, Survey, TopicSurvey
 
-# A cloud that reaches so far, or has so many points, is as good as one with more.
+# Clouds with a longer reach or more points than this are not preferred to each other.
 _FAR_M, _MANY_POINTS = 30.0, 20_000
 
 
 class Choice(NamedTuple):
-    """The topic that is used, None where there is none; why: a sentence for people."""
+    """The topic that is used, or None if there is none; why: the reason, a sentence for people."""
 
     topic: TopicSurvey | None
     why: str
@@ -24,9 +24,9 @@ class Choice(NamedTuple):
 
 def choose(survey: Survey, kind: str, wanted: str, score: Callable[[TopicSurvey], float],
            figures: Callable[[TopicSurvey], str]) -> Choice:
-    """The topic of a kind with the highest score, or the one that is wanted by name.
+    """Returns the topic of a kind with the highest score, or the one that is wanted by name.
 
-    Raises DatasetError when there is none of that name.
+    Raises DatasetError if no topic has that name.
     """
     found = survey.of_kind(kind)
     if wanted:
@@ -49,14 +49,14 @@ def _median(values: List[float]) -> float:
 
 
 def _share_of_time(topic: TopicSurvey, survey: Survey) -> float:
-    """How much of the time in which the recording has any messages this topic has some."""
+    """Returns the share of the recording's time that a topic covers."""
     begin = min(other.begin_ns for other in survey.topics.values())
     end = max(other.end_ns for other in survey.topics.values())
     return (topic.end_ns - topic.begin_ns) / max(end - begin, 1)
 
 
 class CloudFigures:
-    """What speaks for a topic of clouds: fields, rate and extent."""
+    """The figures by which topics of clouds are compared: fields, rate and extent."""
 
     def __init__(self, topic: TopicSurvey, survey: Survey) -> None:
         good = [sample for sample in topic.clouds if sample.problem is None]
@@ -97,7 +97,7 @@ class CloudFigures:
 
 
 def choose_cloud(survey: Survey, wanted: str) -> Choice:
-    """The LiDAR. Raises DatasetError where the recording has no clouds."""
+    """Chooses the topic of the LiDAR. Raises DatasetError if the recording has no clouds."""
     if not survey.of_kind(CLOUD):
         raise DatasetError("the bag has no %s; its topics are %s" % (CLOUD, sorted(survey.all_topics)))
     return choose(survey, CLOUD, wanted, lambda topic: CloudFigures(topic, survey).score(),
@@ -105,7 +105,7 @@ def choose_cloud(survey: Survey, wanted: str) -> Choice:
 
 
 def _overlap(topic: TopicSurvey, cloud: TopicSurvey) -> float:
-    """Share of the clouds' time that a topic covers."""
+    """Returns the share of the clouds' time that a topic covers."""
     common = min(topic.end_ns, cloud.end_ns) - max(topic.begin_ns, cloud.begin_ns)
     return float(np.clip(common / max(cloud.end_ns - cloud.begin_ns, 1), 0.0, 1.0))
 
@@ -120,7 +120,7 @@ def _partner_words(topic: TopicSurvey, cloud: TopicSurvey, frame: str) -> str:
 
 
 def choose_odometry(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:
-    """Poses of the body: one on which the LiDAR is known to sit, that covers the clouds and comes often."""
+    """Chooses the poses: preferred are a body on which the LiDAR's mount is known, and complete, frequent poses."""
     def score(topic: TopicSurvey) -> float:
         rate_hz = topic.rate_hz or 0.0
         return (4.0 * _is_mounted(survey, topic.child, cloud) + 6.0 * _overlap(topic, cloud)
@@ -129,7 +129,7 @@ def choose_odometry(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:
 
 
 def choose_imu(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:
-    """An IMU of which it is known how it sits to the LiDAR, that covers the clouds and comes often."""
+    """Chooses the IMU: preferred are one whose mount is known, and samples that are complete and frequent."""
     def score(topic: TopicSurvey) -> float:
         rate_hz = topic.rate_hz or 0.0
         return (4.0 * _is_mounted(survey, topic.frame, cloud) + 6.0 * _overlap(topic, cloud)

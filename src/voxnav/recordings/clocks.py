@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stamps of one topic put right: a lone outlier is dropped, a lasting jump is a new clock.
+"""Corrects the stamps of one topic: a lone outlier is dropped, and a lasting jump begins a new clock.
 
-A recording knows when each message was recorded, and its next messages, which a vehicle in flight does not. So no
-message of a new clock is lost, a jump of the stamps can be told from a pause of the sensor, and what was stamped by a
-clock that was set later is moved to the clock of the rest.
+A recording holds the record time of each message and the messages after it, which a vehicle in flight does not know. So
+no message of a new clock is lost, a jump of the stamps can be told from a pause of the sensor, and stamps from before
+the clock was set are moved to the clock of the rest.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ import voxnav
 from voxnav.array_types import Array
 from voxnav.recordings.left_out import REPEATED, LeftOut
 
-# Stamps that step by more than this, or by more than a few periods of a slow sensor, are looked at twice.
+# Steps between stamps that are larger than this, or than a few periods of a slow sensor, may be jumps of the clock.
 _STEP_NS = 1_000_000_000
 _PERIODS = 5.0
-_NUM_CONFIRMING = 3  # messages in a row that make a clock
-_NUM_SWAPPED = 2  # so many messages may be recorded in another order than they were stamped
-_NUM_STUCK = 3  # a stamp that is repeated so often is a clock that stands still
+_NUM_CONFIRMING = 3  # number of messages in a row that confirm a clock
+_NUM_SWAPPED = 2  # number of messages that may be recorded before messages with earlier stamps
+_NUM_STUCK = 3  # number of repetitions of a stamp after which the clock counts as standing still
 _MAX_NOTES = 100
 _MAX_CLOCKS = 20
-_MAX_SPREAD_NS = 5 * _STEP_NS  # record times that lag by more belong to a replay, not to a flight
+_MAX_SPREAD_NS = 5 * _STEP_NS  # if the lag of record times varies by more, they are those of a replay
 
 
 class Stamped(NamedTuple):
-    """One message of a topic. stamp_ns: what it bears, or what it is taken to mean; record_ns: when it was recorded."""
+    """A message of a topic. stamp_ns: its stamp, which may be corrected; record_ns: the time of its recording."""
 
     stamp_ns: int
     record_ns: int
@@ -37,10 +37,10 @@ class Stamped(NamedTuple):
 
 
 def clock_offsets_ns(stamps_ns: Array, records_ns: Array) -> list[int]:
-    """By how much the stamps of a topic are ahead of its record times, one number for each clock that stamped them, the
-    usual one first. Empty where no clock stamped most of them: then record times tell nothing.
+    """Returns by how much the stamps of a topic are ahead of its record times, for each clock that made stamps.
 
-    Both (n,) int64, of the same messages. O(n log n).
+    The clock with most messages comes first. The list is empty if no clock made most of the stamps, as record times do
+    not help then. stamps_ns, records_ns: (n,) int64 of the same messages. O(n log n).
     """
     offsets = np.sort(np.asarray(stamps_ns, dtype=np.int64) - np.asarray(records_ns, dtype=np.int64))
     clocks = np.split(offsets, np.flatnonzero(np.diff(offsets) > _STEP_NS) + 1)
@@ -52,10 +52,10 @@ def clock_offsets_ns(stamps_ns: Array, records_ns: Array) -> list[int]:
 
 
 class TopicClock:
-    """Stamps of one topic, in the order of their recording. Holds back at most four messages.
+    """Corrects the stamps of one topic in the order of recording. It holds back at most four messages.
 
-    what: what its messages are called in ``left_out``. period_s: between messages, None where it is unknown.
-    offsets_ns: see clock_offsets_ns().
+    what: the name of the messages in ``left_out``. period_s: the time between messages, None if it is unknown.
+    offsets_ns: the result of clock_offsets_ns().
     """
 
     def __init__(self, what: str, left_out: LeftOut, period_s: float | None = None,
@@ -64,18 +64,18 @@ class TopicClock:
         self._what, self._left_out, self._offsets_ns = what, left_out, offsets_ns
         self._max_step_ns = max(_STEP_NS, int(1e9 * _PERIODS * (period_s or 0.0)))
         self._watch = voxnav.ClockWatch(self._max_step_ns, self._max_step_ns, _NUM_CONFIRMING)
-        self._newest: Stamped | None = None  # of the clock that is believed, as recorded
+        self._newest: Stamped | None = None  # newest message of the present clock, as recorded
         self._num_on_clock = 0
-        self._strays: list[Stamped] = []  # on another clock, which nothing confirms yet
+        self._strays: list[Stamped] = []  # messages on another clock that is not confirmed yet
         self._shift_ns = 0  # added to stamps of the present clock
         self._waiting: list[tuple[int, int, Stamped]] = []  # heap of the present clock: stamp, number, message
-        self._ready: list[Stamped] = []  # of the clock before
+        self._ready: list[Stamped] = []  # messages of the clock before
         self._num_waited = 0
         self._newest_out_ns: int | None = None
         self._num_repeated = 0
 
     def add(self, stamp_ns: int, record_ns: int, payload: Any) -> Iterator[Stamped]:
-        """One message in; those that are certain by now come out, with rising stamps."""
+        """Adds a message, and yields those that are certain by now, with rising stamps."""
         message = Stamped(stamp_ns, record_ns, payload)
         if stamp_ns == 0:
             self._leave_out(message, "its stamp is zero")
@@ -94,7 +94,7 @@ class TopicClock:
         yield from self._give(_NUM_SWAPPED)
 
     def end(self) -> Iterator[Stamped]:
-        """Nothing more comes: what is left."""
+        """Ends the topic, and yields the messages that were held back."""
         self._drop_strays(keep=0)
         yield from self._give(0)
 
@@ -102,7 +102,7 @@ class TopicClock:
         before, first = self._newest, messages[0]
         self._strays = []
         if before is not None and self._num_on_clock == 1:
-            # Nothing ever confirmed the only message before.
+            # No message confirmed the clock of the only message before, so it is an outlier.
             self._waiting = []
             self._leave_out(before, self._stray_reason(before, first))
         elif before is not None:
@@ -117,7 +117,7 @@ class TopicClock:
             self._believe(message)
 
     def _choose_shift(self, messages: list[Stamped]) -> None:
-        """A clock far from the usual one is moved to it, by what record times say."""
+        """Sets the shift that moves a clock far from the usual one to it, by the difference in record times."""
         self._shift_ns = 0
         if not self._offsets_ns:
             return
@@ -177,5 +177,5 @@ class TopicClock:
 
 
 def _away_ns(message: Stamped, other: Stamped) -> int:
-    """By how much the clock of one message is ahead of another's."""
+    """Returns by how much the clock of one message is ahead of that of another."""
     return (message.stamp_ns - other.stamp_ns) - (message.record_ns - other.record_ns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What one cloud of a recording is like: its fields, how far it reaches, how much of the horizon it shows."""
+"""Measures a cloud of a recording: its fields, its reach, and the share of the horizon that it covers."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _DATATYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "ui
 
 
 def layout_of(msg: Any) -> voxnav.CloudLayout:
-    """The layout of a sensor_msgs/PointCloud2. Raises ValueError for fields of no known type."""
+    """Returns the layout of a sensor_msgs/PointCloud2. Raises ValueError for fields of an unknown type."""
     fields = [(f.name, f.offset, f.datatype, f.count) for f in msg.fields]
     return voxnav.CloudLayout(msg.height, msg.width, msg.point_step, fields, row_step=msg.row_step,
                               is_big_endian=bool(msg.is_bigendian))
 
 
 class CloudSample:
-    """Figures of one cloud. problem: why it cannot be read, None when it can; figures are zero then."""
+    """Figures of one cloud. problem: the reason if it cannot be read, else None; its figures are zero in that case."""
 
     def __init__(self, msg: Any) -> None:
         self.fields = {f.name: _DATATYPES.get(f.datatype, "type %d" % f.datatype) for f in msg.fields}
@@ -38,10 +38,10 @@ class CloudSample:
         self._measure(points)
 
     def _measure(self, points: Array) -> None:
-        """reach_m: nearer than this are 95 % of the returns; horizon: share of all headings that have any."""
+        """Measures reach_m, within which 95 % of the returns are, and horizon, the share of headings with returns."""
         points = points[np.all(np.isfinite(points), axis=1)]
         ranges = np.linalg.norm(points, axis=1)
-        is_return = ranges > 0.1  # nearer is what drivers fill in where there was none
+        is_return = ranges > 0.1  # drivers fill in nearer points where there was no return
         points, ranges = points[is_return], ranges[is_return]
         self.num_returns = len(points)
         if not len(points):

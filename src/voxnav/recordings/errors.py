@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What readers of recordings raise."""
+"""The error that readers of recordings raise."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where sensors sit, from the transforms of a recording: chains of links that do not move."""
+"""Finds mounts of sensors from the transforms of a recording, as chains of links that do not move."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from voxnav.array_types import Array
 from voxnav.recordings.bag_files import RawMessage, frame_name
 from voxnav.recordings.left_out import LeftOut
 
-# A link that stays within these is one that does not move: publishers round, and estimated mounts are sent again.
+# A link that changes by less counts as one that does not move, because publishers round, and mounts may be estimated.
 _SAME_M, _SAME_RAD = 1e-3, 1e-3
 
-# More frames than any vehicle has.
+# This bounds the memory, and no vehicle has as many frames.
 _MAX_LINKS = 2000
 
 
 class _Link(NamedTuple):
     T_parent_child: Array
     is_moving: bool
-    is_static: bool  # on /tf_static, where a later message replaces an earlier one
+    is_static: bool  # from /tf_static, where a later message replaces an earlier one
 
 
 class Chain(NamedTuple):
-    """T_A_B between two frames, and the frames from A to B."""
+    """The transform T_A_B between two frames, and the frames from A to B."""
 
     T_A_B: Array
     frames: list[str]
 
 
 def _pose(transform: Any) -> Array:
-    """(4, 4) of a Transform. Raises ValueError when it is not finite or has no rotation."""
+    """Returns a Transform as (4, 4). Raises ValueError if it is not finite or its quaternion is zero."""
     q, p = transform.rotation, transform.translation
     return voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
@@ -45,14 +45,14 @@ def _is_same(a: Array, b: Array) -> bool:
 
 
 class FrameGraph:
-    """Links between frames by the names of their ends, without leading slashes. Bounded."""
+    """The links between frames, by the names of their ends without leading slashes. Their number is bounded."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []
         self._links: Dict[tuple[str, str], _Link] = {}
 
     def add_message(self, message: RawMessage, left_out: LeftOut) -> None:
-        """All links of a tf message; those that are no rigid transform are left out and counted."""
+        """Adds all links of a tf message; those that are not rigid transforms are left out and counted."""
         is_static = message.topic.endswith("tf_static")
         try:
             transforms = message.make().transforms
@@ -68,7 +68,7 @@ class FrameGraph:
                              message.record_ns)
 
     def add(self, parent: str, child: str, T_parent_child: Array, is_static: bool = True) -> None:
-        """One link, as often as it is sent. Raises ValueError for a frame without name or that is its own parent."""
+        """Adds a link each time it is sent. Raises ValueError for a frame without name or that is its own parent."""
         if not parent or not child or parent == child:
             raise ValueError("its frames must have two different names")
         if (child, parent) in self._links:
@@ -81,7 +81,7 @@ class FrameGraph:
             self._replace(parent, child, known, _Link(T_parent_child, not (is_static and known.is_static), is_static))
 
     def _replace(self, parent: str, child: str, known: _Link, new: _Link) -> None:
-        """What is static and differs was published twice: as in tf2, the later one holds."""
+        """Replaces a link. If a static link differs, it was published twice, and as in tf2 the later one counts."""
         if new.is_moving:
             self._links[(parent, child)] = new
         elif not known.is_moving:
@@ -97,7 +97,7 @@ class FrameGraph:
         return sorted({name for ends in self._links for name in ends})
 
     def chain(self, a: str, b: str) -> Chain | None:
-        """T_a_b over links that do not move; None where there is no such chain, or a has no name. O(links)."""
+        """Returns T_a_b over links that do not move, or None if there is no such chain or a has no name. O(links)."""
         previous = self._paths_from(a, with_moving=False)
         if not a or b not in previous:
             return None
@@ -108,7 +108,7 @@ class FrameGraph:
         return Chain(T, frames)
 
     def moving_between(self, a: str, b: str) -> list[tuple[str, str]]:
-        """The moving links on a chain from a to b that has such; empty where there is no chain at all."""
+        """Returns the moving links on a chain from a to b; the list is empty if there is no chain."""
         previous = self._paths_from(a, with_moving=True)
         if b not in previous:
             return []
@@ -116,7 +116,7 @@ class FrameGraph:
         return [ends for ends in zip(frames, frames[1:]) if self._is_moving(*ends)]
 
     def root(self, frame: str) -> str:
-        """The uppermost frame above one, over links that do not move; the frame itself where it hangs on none."""
+        """Returns the uppermost ancestor of a frame over links that do not move, or the frame itself if it has none."""
         seen = {frame}
         while True:
             parents = [p for (p, c), link in sorted(self._links.items()) if c == frame and not link.is_moving]
@@ -126,12 +126,12 @@ class FrameGraph:
             seen.add(frame)
 
     def children(self, frame: str) -> list[str]:
-        """Frames at the other end of moving links of one frame, in whichever direction they were sent."""
+        """Returns the frames at the other ends of moving links of a frame, in whichever direction they were sent."""
         ends = [(p, c) for (p, c), link in sorted(self._links.items()) if link.is_moving and frame in (p, c)]
         return [c if p == frame else p for p, c in ends]
 
     def moving_parents(self, frame: str) -> list[str]:
-        """Frames of which this one is a moving child."""
+        """Returns the frames of which this one is a moving child."""
         return [p for (p, c), link in sorted(self._links.items()) if link.is_moving and c == frame]
 
     def _is_moving(self, a: str, b: str) -> bool:
@@ -145,7 +145,7 @@ class FrameGraph:
         return inverse
 
     def _paths_from(self, a: str, with_moving: bool) -> dict[str, str | None]:
-        """By frame: the one before it on the shortest way from a."""
+        """Returns for each frame the one before it on the shortest path from a."""
         neighbours: dict[str, list[str]] = {}
         for (parent, child), link in self._links.items():
             if with_moving or not link.is_moving:

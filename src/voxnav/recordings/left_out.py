@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What of a recording was left out, and why: counted, with the first and the last time it happened."""
+"""Counts what was left out of a recording and why, with the first and the last time at which it happened."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any, Dict, NamedTuple, Tuple
 
 REPEATED = "its stamp repeats that of the one before"
 
-# Reasons are worded from a fixed set; this many keep memory bounded should one of them hold a number.
+# There are few different reasons; this bounds the memory if a reason should contain a number.
 MAX_REASONS = 200
 
 
 class Left(NamedTuple):
-    """How often one thing was left out for one reason, and when [ns of the recording]; None where no time is known."""
+    """How often a kind of message was left out for one reason, and the first and last time in ns, None if not known."""
 
     num: int
     first_ns: int | None
@@ -20,7 +20,7 @@ class Left(NamedTuple):
 
 
 class LeftOut:
-    """Counts by what was left out ("cloud", "odometry", ...) and for which reason. Bounded."""
+    """Counts by the kind of message ("cloud", "odometry", ...) and the reason. Their number is bounded."""
 
     def __init__(self) -> None:
         self._counts: Dict[Tuple[str, str], Left] = {}
@@ -36,11 +36,11 @@ class LeftOut:
         return bool(self._counts)
 
     def count(self, what: str, but: str = "") -> int:
-        """How many of one kind were left out, but for one reason."""
+        """Returns how many messages of a kind were left out, except those with the reason `but`."""
         return sum(left.num for (name, reason), left in self._counts.items() if name == what and reason != but)
 
     def take(self, other: LeftOut) -> None:
-        """All that another one counted, too."""
+        """Adds all counts of another object."""
         for (what, reason), left in other._counts.items():
             self.add(what, reason, left.first_ns, left.num)
             key = (what, reason)
@@ -48,13 +48,13 @@ class LeftOut:
                 self._counts[key] = self._counts[key]._replace(last_ns=left.last_ns)
 
     def rows(self) -> list[dict[str, Any]]:
-        """One dict per kind and reason: what, reason, count, first_s, last_s; the most frequent first."""
+        """Returns a dict per kind and reason (what, reason, count, first_s, last_s), the most frequent first."""
         ordered = sorted(self._counts.items(), key=lambda item: (-item[1].num, item[0]))
         return [{"what": what, "reason": reason, "count": left.num, "first_s": _seconds(left.first_ns),
                  "last_s": _seconds(left.last_ns)} for (what, reason), left in ordered]
 
     def lines(self) -> list[str]:
-        """The same for people, one line each."""
+        """Returns the rows as lines of text for people."""
         out = []
         for row in self.rows():
             when = ""

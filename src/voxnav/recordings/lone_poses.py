@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Single poses that no vehicle can have had: far from those before and after, which are near each other."""
+"""Finds single wrong poses, which are far from the poses before and after, while those are near each other."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from voxnav.array_types import Array
 
-# No vehicle moves or turns faster than this between two of its poses.
+# No vehicle moves or rotates faster than this between two poses.
 _MAX_SPEED_MPS, _MAX_RATE_RADPS = 100.0, 50.0
 
 
 class Posed(NamedTuple):
-    """T: (4, 4); payload: what it is the pose of."""
+    """A pose T (4, 4) with the message to which it belongs."""
 
     stamp_ns: int
     T: Array
@@ -29,14 +29,14 @@ def _is_possible(a: Posed, b: Posed) -> bool:
 
 
 class LonePoses:
-    """Holds one pose back until the next one tells whether it is alone. A lasting jump is none of its business."""
+    """Holds one pose back until the next one shows whether it is wrong. A lasting jump is not an error here."""
 
     def __init__(self) -> None:
         self._before: Posed | None = None
         self._held: Posed | None = None
 
     def add(self, pose: Posed) -> Iterator[tuple[Posed, float | None]]:
-        """Poses that are certain by now; with each None, or by how many metres it is off when it is alone."""
+        """Adds a pose, and yields those that are certain by now, each with its error in metres if it is wrong."""
         held = self._held
         if held is not None:
             yield held, self._off_m(held, pose)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where LiDAR and IMU sit on the body whose poses are meant. What nothing tells is an error, never the identity."""
+"""Finds the mounts of LiDAR and IMU on the body of the poses. An unknown mount is an error, never the identity."""
 
 from __future__ import annotations
 
@@ -17,8 +17,11 @@ HOW_TO_SET = ("give it with --mount 'X Y Z ROLL PITCH YAW' (metres and radians; 
 
 
 class Mount(NamedTuple):
-    """T_B_L: (4, 4) of the LiDAR on the body; R_B_I: (3, 3) of the IMU, None where it is not known and not needed;
-    body: its frame; how: where it is from, for people; notes: what was taken for granted."""
+    """The mounts of a recording.
+
+    T_B_L: (4, 4) pose of the LiDAR on the body; R_B_I: (3, 3) rotation of the IMU, None if neither known nor needed;
+    body: the frame of the body; how: the source of the mount, for people; notes: assumptions that were made.
+    """
 
     T_B_L: Array
     R_B_I: Array | None
@@ -29,9 +32,9 @@ class Mount(NamedTuple):
 
 def find_mount(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None, imu: TopicSurvey | None,
                T_B_L: Array | None = None) -> Mount:
-    """The body is that of the odometry; without any it is the IMU, and without IMU the LiDAR itself.
+    """Returns the mounts on the body, which is that of the odometry, else the IMU, and without both the LiDAR itself.
 
-    T_B_L: (4, 4) as somebody gives it; None takes it from the transforms of the recording. Raises DatasetError.
+    T_B_L: (4, 4) mount that the user gives; None takes it from the transforms of the recording. Raises DatasetError.
     """
     notes: list[str] = []
     body = _body_frame(survey, cloud, odometry, imu, notes)
@@ -94,7 +97,7 @@ def _unknown(survey: Survey, cloud: TopicSurvey, body: str, source: str) -> str:
 
 
 def _imu_on_body(survey: Survey, cloud: TopicSurvey, body: str, imu: TopicSurvey, T_B_L: Array) -> Array | None:
-    """Directly, or by way of the LiDAR; None where nothing tells."""
+    """Returns the rotation of the IMU on the body, directly or over the LiDAR, or None if no transform gives it."""
     if imu.frame and imu.frame == body:
         return np.eye(3)
     direct = survey.frames.chain(body, imu.frame)

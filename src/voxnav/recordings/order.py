@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages of several topics in the order of what they tell of, whatever the order of their recording."""
+"""Sorts messages of several topics by the time that they describe, whatever the order of their recording."""
 
 from __future__ import annotations
 
 import heapq
 from typing import Any, Dict, Iterator, List, NamedTuple
 
-# What waits for other topics is bounded by all three; clouds are the bytes, IMU samples the numbers.
-MAX_WAIT_NS = 10_000_000_000  # of record time
+# All three bound the messages that wait for other topics: clouds have many bytes, and IMU samples are many.
+MAX_WAIT_NS = 10_000_000_000  # in record time
 MAX_BYTES = 512 * 1024 * 1024
 MAX_RECORDS = 200_000
 
 
 class Ordered(NamedTuple):
-    """due_ns: the stamp, and for a cloud the end of its sweep; record_ns: when it was recorded."""
+    """A message with due_ns, its stamp or for a cloud the end of its sweep, and record_ns, its record time."""
 
     due_ns: int
     record_ns: int
@@ -22,19 +22,19 @@ class Ordered(NamedTuple):
 
 
 class TopicOrder:
-    """A record is given out when every topic that still has messages has come as far, or when too much waits.
+    """Yields a record once every topic that still has messages has reached its time, or if too much waits.
 
-    topics: those whose messages are told here; each is to be ended with end().
+    topics: the topics whose messages are added here; each must be ended by end().
     """
 
     def __init__(self, topics: List[str]) -> None:
-        self.num_forced = 0  # records given out because too much waited
+        self.num_forced = 0  # records that were yielded because too much waited
         self._reached_ns: Dict[str, int | None] = {topic: None for topic in topics}
         self._waiting: List[tuple[int, int, Ordered]] = []  # heap: due, number, record
         self._num_added = self._num_bytes = self._newest_record_ns = 0
 
     def add(self, topic: str, record: Ordered) -> Iterator[Any]:
-        """One record in, rising within its topic; payloads that nothing can precede come out."""
+        """Adds a record, whose times rise within its topic, and yields payloads that no later record can precede."""
         if topic in self._reached_ns:
             self._reached_ns[topic] = record.due_ns
         self._num_added += 1
@@ -44,7 +44,7 @@ class TopicOrder:
         yield from self._give()
 
     def end(self, topic: str) -> Iterator[Any]:
-        """A topic has no more messages: nobody waits for it."""
+        """Ends a topic, so that no record waits for it any more."""
         self._reached_ns.pop(topic, None)
         yield from self._give()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Poses far from their origin, as in UTM or ECEF coordinates, brought near to it: maps are made of 32-bit numbers."""
+"""Moves poses in UTM or ECEF coordinates to the origin, because maps hold 32-bit numbers, too coarse for them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 
 from voxnav.array_types import Array
 
-# Points of 32-bit numbers are good to half a millimetre within this distance, and an OctoMap reaches so far at 0.2 m.
+# Within this distance 32-bit numbers are exact to half a millimetre, and an OctoMap of 0.2 m reaches as far.
 FAR_M = 5000.0
 
 
 def origin_of(positions: Any) -> Array | None:
-    """(3,) what is to be subtracted from positions (n, 3), in whole metres; None where they are near their origin.
+    """Returns the shift (3,) in whole metres to subtract from positions (n, 3), or None if they are near their origin.
 
-    Heights stay as they are, unless they are as far off themselves.
+    The heights are not shifted unless they are as far away themselves.
     """
     if not len(positions):
         return None

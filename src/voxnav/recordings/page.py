@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One page that says what is in a recording and what voxnav will make of it."""
+"""Writes a page that describes what is in a recording and how voxnav will use it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from voxnav.recordings.plan import RecordingPlan
 from voxnav.recordings.problems import force_size, imu_unit, problems_of, used_topics
 from voxnav.recordings.survey import TopicSurvey
 
-# Measured: the interpreter with the core, one entry of rosbag's index, and the parts that grow with a flight.
+# Measured memory of the interpreter with the core, and of an entry in the index of rosbag.
 _BASE_MB, _INDEX_BYTES = 110.0, 700.0
 
 
 def page(plan: RecordingPlan, paths: Sequence[str], title: str = "recording") -> list[str]:
-    """Lines for people."""
+    """Returns the lines of the page, for people."""
     lines = _row(title, _files(plan, paths))
     for what, topic in used_topics(plan):
         lines += _row({"cloud": "clouds"}.get(what, what), _topic_words(plan, what, topic))
@@ -71,7 +71,7 @@ def _mount_words(plan: RecordingPlan) -> str:
 
 
 def _rpy_of(T: Array) -> tuple[float, float, float]:
-    """Fixed-axis roll, pitch and yaw [rad]."""
+    """Returns fixed-axis roll, pitch and yaw in radians."""
     R = T[:3, :3]
     return (float(np.arctan2(R[2, 1], R[2, 2])), float(np.arcsin(np.clip(-R[2, 0], -1.0, 1.0))),
             float(np.arctan2(R[1, 0], R[0, 0])))
@@ -101,7 +101,7 @@ def _unused(plan: RecordingPlan) -> str:
 
 
 def _memory_words(plan: RecordingPlan) -> str:
-    """A rough figure: what is kept of messages, and what this program needs anyway."""
+    """Returns a rough figure of the memory for messages that are kept and for the program itself."""
     if plan.cloud is None:
         return ""
     index_mb = 1e-6 * _INDEX_BYTES * sum(topic.num for topic in plan.survey.all_topics.values())

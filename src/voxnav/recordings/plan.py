@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What voxnav will make of a recording: topics, mount, origin, and what is wrong with it."""
+"""Plans the use of a recording: its topics, mount and origin, and what is wrong with it."""
 
 from __future__ import annotations
 
@@ -15,16 +15,18 @@ from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.mount import Mount, find_mount
 from voxnav.recordings.survey import Survey, TopicSurvey
 
-# A turn of a LiDAR takes as long as its clouds are apart, within these.
+# The duration of a sweep is the time between clouds, limited to this range.
 _MIN_SWEEP_S, _MAX_SWEEP_S = 0.02, 0.5
 # Topics whose stamps are farther apart than this, by record time, run on different clocks.
 _OTHER_CLOCK_NS = 2_000_000_000
 
 
 class BagOptions(NamedTuple):
-    """Topics left empty are chosen by what they are like. T_B_L: (4, 4) mount of the LiDAR on the body; None means the
-    one that the recording's transforms tell. max_pose_gap_s: poses farther apart do not tell where the body was
-    between them."""
+    """Options of the user. Topics that are empty are chosen by their content.
+
+    T_B_L: (4, 4) mount of the LiDAR on the body; None takes it from the transforms of the recording.
+    max_pose_gap_s: the longest time between two poses over which they are interpolated.
+    """
 
     cloud_topic: str = ""
     odometry_topic: str = ""
@@ -36,9 +38,10 @@ class BagOptions(NamedTuple):
 
 
 class RecordingPlan:
-    """error: why nothing can be mapped, None when something can; warnings: what is taken for granted or left alone.
+    """The topics, mount and origin of a recording that are used.
 
-    Attributes that an error leaves unknown are None.
+    error: the reason if nothing can be mapped, else None. warnings: assumptions, and what is not used. Attributes that
+    are unknown because of an error are None.
     """
 
     def __init__(self, files: BagFiles, options: BagOptions) -> None:
@@ -76,7 +79,7 @@ class RecordingPlan:
         self._mount_notes = self.mount.notes
 
     def _choose_odometry(self, cloud: TopicSurvey) -> choice.Choice:
-        """None where LiDAR odometry does better, or nothing else is to be had."""
+        """Returns the choice of odometry, without a topic if LiDAR odometry is better or the only source of poses."""
         source = self.options.pose_source
         if source == voxnav.PoseSource.LIDAR:
             return choice.Choice(None, "not wanted (run/pose_source is lidar): poses come from LiDAR odometry")
@@ -104,13 +107,13 @@ class RecordingPlan:
 
     @property
     def sweep_s(self) -> float:
-        """How long a turn of the LiDAR takes, by the rate of its clouds."""
+        """Returns the duration of a turn of the LiDAR by the rate of its clouds."""
         period_s = self.cloud.stamp_period_s if self.cloud else None
         return float(np.clip(period_s or 0.1, _MIN_SWEEP_S, _MAX_SWEEP_S))
 
 
 def clock_distance_s(a: TopicSurvey, b: TopicSurvey) -> float:
-    """How far the stamps of two topics are apart that were recorded at the same time; zero where it cannot be told."""
+    """Returns how far apart stamps of two topics are that were recorded at the same time, or 0 if this is not known."""
     if a.offset_ns is None or b.offset_ns is None:
         return 0.0
     return 1e-9 * abs(a.offset_ns - b.offset_ns)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is wrong with a recording, and what to do about each."""
+"""Lists what is wrong with a recording, and what to do about each problem."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from voxnav.recordings.left_out import LeftOut
 from voxnav.recordings.plan import RecordingPlan, clock_distance_s
 from voxnav.recordings.survey import TopicSurvey
 
-# Slower topics give too few messages in a window to judge their stamps by.
+# Topics with a longer period have too few messages in a window to judge their stamps.
 _SLOW_PERIOD_S = 0.3
 _GRAVITY_MPS2 = 9.81
 
 
 class Problem(NamedTuple):
-    """what: a sentence; to_do: another one, empty where there is nothing to be done about it."""
+    """A problem and its remedy as sentences; to_do is empty if nothing can be done about it."""
 
     what: str
     to_do: str = ""
 
 
 def used_topics(plan: RecordingPlan) -> list[tuple[str, TopicSurvey]]:
-    """What is used, with what its messages are called."""
+    """Returns the topics that are used, each with the name of its messages."""
     used = (("cloud", plan.cloud), ("odometry", plan.odometry), ("IMU", plan.imu))
     return [(what, topic) for what, topic in used if topic is not None]
 
 
 def problems_of(plan: RecordingPlan) -> list[Problem]:
-    """All of them, the one that stops everything first."""
+    """Returns all problems; one that prevents mapping comes first."""
     out = [Problem(plan.error)] if plan.error else []
     out += [Problem(warning) for warning in plan.warnings]
     for what, topic in used_topics(plan):
@@ -43,7 +43,7 @@ def problems_of(plan: RecordingPlan) -> list[Problem]:
 
 
 def _clock_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Problem]:
-    """As the clock of the topic finds them when the recording is mapped."""
+    """Returns the problems that the clock of a topic will find when the recording is mapped."""
     if not plan.survey.is_whole and (topic.period_s or 0.0) > _SLOW_PERIOD_S:
         return []
     left_out = LeftOut()
@@ -109,12 +109,12 @@ def _imu_problems(plan: RecordingPlan, cloud: TopicSurvey) -> list[Problem]:
 
 
 def force_size(imu: TopicSurvey) -> float:
-    """Median size of the accelerations that were looked at; NaN without any."""
+    """Returns the median magnitude of the accelerations that were read, or NaN if there are none."""
     return float(np.median(np.linalg.norm(np.array(imu.forces), axis=1))) if imu.forces else float("nan")
 
 
 def imu_unit(imu: TopicSurvey) -> str | None:
-    """Unit of the accelerations by their usual size; None where it is neither."""
+    """Returns the unit of the accelerations by their usual magnitude, or None if it fits no unit."""
     size = force_size(imu)
     if 0.8 * _GRAVITY_MPS2 < size < 1.2 * _GRAVITY_MPS2:
         return "m/s^2"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A look through a recording in seconds: all of a small one, and windows of a large one."""
+"""Surveys a recording within seconds: all of a small one, and windows of a large one."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from voxnav.recordings.left_out import LeftOut
 CLOUD, ODOMETRY, IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
 KINDS = (CLOUD, ODOMETRY, IMU)
 
-# Larger recordings are looked at in windows: their beginning, their end, and some in between.
+# Larger recordings are read in windows: at their beginning, at their end, and some in between.
 _WHOLE_BYTES = 300 * 1024 * 1024
 _BEGIN_S, _WINDOW_S, _NUM_WINDOWS = 3.0, 1.0, 10
 _MAX_TF_MESSAGES = 20_000
-# Clouds of each topic that are looked into; the windows give no more than these.
+# The number of clouds of each topic that are read; the windows of a large recording give no more.
 _NUM_CLOUDS = 16
 _MAX_POSES = 5_000
-_MIN_GAP_S = 0.3  # between messages, if it is several of their periods
+_MIN_GAP_S = 0.3  # a shorter time between messages is no gap, even if it is several of their periods
 
 
 class Gap(NamedTuple):
-    """A pause of a topic by its record times [s]."""
+    """A pause of a topic, by its record times in seconds."""
 
     at_s: float
     length_s: float
 
 
 class TopicSurvey:
-    """What the messages of one topic are like. Times are record times unless said; all of it is bounded."""
+    """Figures of the messages of one topic. Times are record times unless stated otherwise; all lists are bounded."""
 
     def __init__(self, topic: Topic, record_ns: Array) -> None:
         self.topic = topic
@@ -47,13 +47,13 @@ class TopicSurvey:
         self.gaps = [Gap(1e-9 * float(record_ns[i]), float(steps_s[i]))
                      for i in np.flatnonzero(steps_s > max(_MIN_GAP_S, 5.0 * (self.period_s or 0.0)))[:100]]
         self.frames: Counter[str] = Counter()
-        self.children: Counter[str] = Counter()  # of odometry
-        self.stamps_ns: List[int] = []  # of the messages that were looked at
+        self.children: Counter[str] = Counter()  # child frames of odometry
+        self.stamps_ns: List[int] = []  # stamps of the messages that were read
         self.records_ns: List[int] = []
-        self.poses: List[Any] = []  # (3,) positions of odometry
-        self.forces: List[Any] = []  # (3,) accelerations of an IMU, from the beginning
+        self.poses: List[Any] = []  # positions (3,) of odometry
+        self.forces: List[Any] = []  # accelerations (3,) of an IMU, from the beginning
         self.clouds: List[cloud_samples.CloudSample] = []
-        self.times = voxnav.PointTimes()  # of the clouds that were looked at
+        self.times = voxnav.PointTimes()  # judges the point times of the clouds that were read
 
     @property
     def name(self) -> str:
@@ -65,7 +65,7 @@ class TopicSurvey:
 
     @property
     def frame(self) -> str:
-        """The usual frame id, without a leading slash; empty where the messages name none."""
+        """Returns the most frequent frame id, without a leading slash; it is empty if the messages name none."""
         return self.frames.most_common(1)[0][0] if self.frames else ""
 
     @property
@@ -74,24 +74,24 @@ class TopicSurvey:
 
     @property
     def offsets_ns(self) -> list[int]:
-        """See clock_offsets_ns()."""
+        """Returns the result of clock_offsets_ns() for this topic."""
         return clock_offsets_ns(np.array(self.stamps_ns, dtype=np.int64), np.array(self.records_ns, dtype=np.int64))
 
     @property
     def offset_ns(self) -> int | None:
-        """Of the usual clock; None where record times tell nothing."""
+        """Returns the offset of the usual clock, or None if record times do not show it."""
         return self.offsets_ns[0] if self.offsets_ns else None
 
     @property
     def stamp_period_s(self) -> float | None:
-        """Between stamps of consecutive messages; record times come in bursts."""
+        """Returns the time between stamps of consecutive messages. Record times come in bursts and do not show it."""
         steps = np.diff(np.array(self.stamps_ns, dtype=np.int64)) * 1e-9
         steps = steps[steps > 0]
         return float(np.median(steps)) if len(steps) else self.period_s
 
 
 class Survey:
-    """Topics of clouds, odometry and IMU by name, and the frames. left_out: what could not be read."""
+    """The topics of clouds, odometry and IMU by name, and the frames. left_out: counts of what could not be read."""
 
     def __init__(self, files: BagFiles) -> None:
         self.files = files
@@ -114,7 +114,7 @@ class Survey:
         return [topic for topic in self.topics.values() if topic.topic.kind == kind]
 
     def see_all_frames(self) -> None:
-        """Read the whole of /tf, which windows of it may not have shown."""
+        """Reads all of /tf, because windows may have missed some of its frames."""
         if not self._has_all_of_tf:
             self._look_at_frames(all_of_tf=True)
 
@@ -137,7 +137,7 @@ class Survey:
         end = max(topic.end_ns for topic in self.topics.values())
         starts = np.linspace(begin + 1e9 * _BEGIN_S, end - 1e9 * _WINDOW_S, _NUM_WINDOWS)
         windows: list[tuple[int | None, int | None]] = [(begin, begin + int(1e9 * _BEGIN_S))]
-        # Limits are included: a window begins after the end of the one before.
+        # Limits are included, so a window begins after the end of the one before.
         return windows + [(int(start) + 1, int(start + 1e9 * _WINDOW_S)) for start in starts if start > begin]
 
     def _sample(self) -> Iterator[RawMessage]:
@@ -145,7 +145,7 @@ class Survey:
             yield from self.files.messages(list(self.topics), from_ns, until_ns)
 
     def _look_at(self, message: RawMessage) -> None:
-        """Messages that cannot be read are counted where the recording is mapped."""
+        """Adds a message to the figures. One that cannot be read is ignored here and counted by the mapping."""
         topic = self.topics[message.topic]
         try:
             stamp_ns, frame = message.header()
@@ -168,7 +168,7 @@ class Survey:
         topic.times.judge(msg.data, cloud_samples.layout_of(msg), stamp_ns)
 
     def _is_wanted(self, topic: TopicSurvey) -> bool:
-        """The first clouds in a row, and then some of the rest."""
+        """Returns whether a cloud is read: the first ones in a row are, and then some of the rest."""
         in_windows = int((_BEGIN_S + _NUM_WINDOWS * _WINDOW_S) * (topic.rate_hz or 0.0))
         seen, num_all = len(topic.stamps_ns), topic.topic.num if self.is_whole else in_windows
         step = max(1, num_all // _NUM_CLOUDS)
