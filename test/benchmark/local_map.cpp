@@ -7,10 +7,13 @@
 #include <octomap/octomap.h>
 
 #include "local_map/analytic_scan.hpp"
+#include "octomap_insertion.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
 using voxnav::benchmark::position;
 using voxnav::benchmark::scan;
+using voxnav::test::octomap_cloud;
+using voxnav::test::octomap_point;
 
 namespace {
 
@@ -41,13 +44,8 @@ void insert_octomap(::benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     const geometry::Vec3 origin = position(i++);
-    octomap::Pointcloud cloud;
-    for (std::size_t k = 0; k < scan().size(); k += 3) {
-      cloud.push_back(scan()[k] + static_cast<float>(origin.x()), scan()[k + 1] + static_cast<float>(origin.y()),
-                      scan()[k + 2] + static_cast<float>(origin.z()));
-    }
-    const octomap::point3d sensor(static_cast<float>(origin.x()), static_cast<float>(origin.y()),
-                                  static_cast<float>(origin.z()));
+    const octomap::Pointcloud cloud = octomap_cloud(scan(), origin);
+    const octomap::point3d sensor = octomap_point(origin);
     state.ResumeTiming();
     tree.insertPointCloud(cloud, sensor, max_range_m(resolution_m), false, true);
   }

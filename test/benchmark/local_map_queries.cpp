@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "local_map/analytic_scan.hpp"
+#include "octomap_insertion.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
@@ -33,12 +34,8 @@ occupancy::LocalMap make_map() {
 octomap::OcTree make_octree() {
   octomap::OcTree tree(0.4);
   for (int i = 0; i < 5; ++i) {
-    octomap::Pointcloud cloud;
-    const octomap::point3d sensor(static_cast<float>(position(i).x()), 0.0f, 2.0f);
-    for (std::size_t k = 0; k < scan().size(); k += 3) {
-      cloud.push_back(scan()[k] + sensor.x(), scan()[k + 1], scan()[k + 2] + 2.0f);
-    }
-    tree.insertPointCloud(cloud, sensor, 26.0, false, true);
+    tree.insertPointCloud(test::octomap_cloud(scan(), position(i)), test::octomap_point(position(i)), 26.0, false,
+                          true);
   }
   return tree;
 }

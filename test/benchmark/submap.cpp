@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "forest_flight.hpp"
+#include "octomap_insertion.hpp"
 #include "voxnav/submap/obstacle_map.hpp"
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
@@ -199,13 +200,8 @@ void integrate_octomap(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
     const geometry::Vec3 origin = pose_of(i++).translation();
-    octomap::Pointcloud cloud;
-    for (std::size_t k = 0; k < scan().size(); k += 3) {
-      cloud.push_back(scan()[k] + static_cast<float>(origin.x()), scan()[k + 1] + static_cast<float>(origin.y()),
-                      scan()[k + 2] + static_cast<float>(origin.z()));
-    }
-    const octomap::point3d sensor(static_cast<float>(origin.x()), static_cast<float>(origin.y()),
-                                  static_cast<float>(origin.z()));
+    const octomap::Pointcloud cloud = test::octomap_cloud(scan(), origin);
+    const octomap::point3d sensor = test::octomap_point(origin);
     state.ResumeTiming();
     tree.insertPointCloud(cloud, sensor, 26.0, false, true);
   }
