@@ -10,41 +10,41 @@
 
 namespace voxnav::base {
 
-/// What a stamp says about the time of its source.
+/// The relation of a stamp to the clock of its source.
 enum class StampVerdict : std::uint8_t {
   kNext,      ///< it follows the ones before
   kRepeated,  ///< it equals the newest one
   kLate,      ///< it is older than the newest one, and time has not changed
-  kStray,     ///< it is on another clock, which nothing confirms yet
+  kStray,     ///< it is on another clock, which is not confirmed yet
   kNewClock,  ///< it is the last of enough stamps on another clock: time goes on from this one
 };
 constexpr auto words_of(StampVerdict) { return std::array{"next", "repeated", "late", "stray", "new_clock"}; }
 
-/// How often each verdict was given, and how often a clock stood still.
+/// Counts of the verdicts, and of clocks that stood still.
 struct StampCounts {
   std::uint64_t next = 0, repeated = 0, late = 0, stray = 0, new_clocks = 0;
   std::uint64_t stuck_clocks = 0;    ///< times that kNumStuck stamps in a row or more were equal
   std::uint64_t longest_repeat = 0;  ///< most repeated stamps in a row
 };
 
-/// The counts but for `next` as a phrase for people, such as "2 repeated, 1 alone on another clock"; empty when all
-/// stamps followed each other.
+/// Returns all counts except `next` as a phrase for people, such as "2 repeated, 1 alone on another clock"; it is empty
+/// if all stamps followed each other.
 std::string describe(const StampCounts& counts);
 
-/// Tells stamps that are late or mistaken, a few at a time, from a clock that was set anew for good. Stamps that come
-/// from one source are given to it in the order of their arrival. Not thread-safe; O(1).
+/// Tells a few late or wrong stamps from a clock that was set to another time. The stamps of one source are added in
+/// the order of their arrival. Not thread-safe; O(1).
 class ClockWatch {
  public:
-  /// This many equal stamps in a row make a stuck clock.
+  /// The number of equal stamps in a row after which the clock counts as stuck.
   static constexpr std::uint64_t kNumStuck = 10;
 
   struct Limits {
     /// A stamp that falls behind the newest one by more than this is not merely late.
     StampNs max_lag_ns = 1'000'000'000;
-    /// A stamp farther ahead than this is not believed at once; without a limit every stamp ahead is.
+    /// A stamp farther ahead than this is not accepted at once; without a limit every stamp ahead is.
     std::optional<StampNs> max_lead_ns;
-    /// So many stamps in a row on another clock, rising and no farther apart than the greater of the two limits (or
-    /// than the first of them is ahead), make it the clock.
+    /// The number of stamps in a row on another clock that confirm it. They must rise, and be no farther apart than the
+    /// greater of the two limits, or than the first of them is ahead.
     int num_confirming = 3;
   };
 
@@ -53,10 +53,10 @@ class ClockWatch {
   StampVerdict add(StampNs stamp_ns);
   /// Forgets the clock; the counts stay.
   void reset();
-  /// The newest stamp of the clock that is believed; nothing before the first.
+  /// The newest stamp of the present clock; nothing before the first.
   const std::optional<StampNs>& newest_ns() const { return newest_ns_; }
   const StampCounts& counts() const { return counts_; }
-  /// Whether the last kNumStuck stamps or more were equal.
+  /// Returns true if the last kNumStuck stamps or more were equal.
   bool is_stuck() const { return num_equal_ + 1 >= kNumStuck; }
 
  private:

@@ -24,7 +24,8 @@ struct Point {
 };
 static_assert(sizeof(Point) == 20 && std::is_trivially_copyable_v<Point>);
 
-/// What became of the points of one cloud. Reasons are tried in this order and each point counts once.
+/// Counts of the points of one cloud by the reason for which they were removed. Reasons are tried in this order, and
+/// each point counts once.
 struct FilterCounts {
   std::uint64_t total = 0;
   std::uint64_t decimated = 0;
@@ -56,8 +57,8 @@ struct FilterResult {
 
 /// Removes from a scan what is not surroundings: missing returns, the UAV's own body, ghosts, surplus.
 /// One pass over the bytes, no allocation per point once the result has grown to the sensor's size.
-/// For the clouds of one sensor: it finds out what their point times count, and keeps the decimation phase.
-/// Not thread-safe.
+/// Filters the clouds of one sensor. It remembers the reading of their point times and the phase of decimation. Not
+/// thread-safe.
 class CloudFilter {
  public:
   /// @throws base::ConfigError
@@ -72,10 +73,10 @@ class CloudFilter {
   void apply(const RawCloudView& cloud, FilterResult* result);
   FilterResult apply(const RawCloudView& cloud);
 
-  /// What is known of the sensor's point times after the clouds so far.
+  /// The reading of the sensor's point times after the clouds so far.
   const TimesReport& point_times() const { return times_.report(); }
 
-  /// What sorted a point out, or kept it.
+  /// The reason for which a point is removed, or that it is kept.
   enum class Verdict { kKept, kNan, kZero, kBody, kNear, kFar, kGhost };
 
  private:

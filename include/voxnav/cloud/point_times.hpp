@@ -11,11 +11,11 @@
 
 namespace voxnav::cloud {
 
-/// What one step of a time field lasts.
+/// The duration of one step of a time field.
 enum class TimeUnit : std::uint8_t { kSecond, kMillisecond, kMicrosecond, kNanosecond };
 constexpr auto words_of(TimeUnit) { return std::array{"s", "ms", "us", "ns"}; }
 
-/// From when a time field counts.
+/// The time at which a time field is zero.
 enum class TimeZero : std::uint8_t {
   kStamp,        ///< from the stamp of the cloud, before which times are negative
   kRosTime,      ///< from the same epoch as the stamps
@@ -23,16 +23,16 @@ enum class TimeZero : std::uint8_t {
 };
 constexpr auto words_of(TimeZero) { return std::array{"stamp", "ros_time", "sensor_clock"}; }
 
-/// How much is known of a sensor's time field.
+/// How the reading of a sensor's time field was decided.
 enum class TimesState : std::uint8_t {
   kNoField,    ///< clouds have no field for it
   kUndecided,  ///< what the field counts is not known, and it is not used
-  kByName,     ///< what its name and type usually mean, which nothing contradicts
-  kMeasured,   ///< how long its sweeps last decided it
+  kByName,     ///< by the usual meaning of its name and type, which no cloud contradicts
+  kMeasured,   ///< by the duration of sweeps
 };
 constexpr auto words_of(TimesState) { return std::array{"no_field", "undecided", "by_name", "measured"}; }
 
-/// What is known of a sensor's time field, and how.
+/// The reading of a sensor's time field, and how it was decided.
 struct TimesReport {
   TimesState state = TimesState::kNoField;
   std::string field;  ///< its name; empty when there is none
@@ -47,10 +47,10 @@ struct TimesReport {
   std::string how;                               ///< a sentence: what it counts and how that was decided, or why not
 };
 
-/// What is wrong with the point times of a sensor, a sentence for people; empty when all were used.
+/// Returns what is wrong with the point times of a sensor, as a sentence for people; it is empty if all were used.
 std::string problem_of(const TimesReport& report);
 
-/// How the numbers of one cloud become nanoseconds after its stamp: (number - zero) * tick.
+/// Converts the numbers of one cloud to nanoseconds after its stamp: (number - zero) * tick.
 struct CloudTimes {
   double tick_ns = 0.0;       ///< 0: its times are not used
   double zero = 0.0;          ///< the number at the stamp
@@ -58,15 +58,15 @@ struct CloudTimes {
   std::int64_t last_ns = 0;
 };
 
-/// Finds out what the time field of one sensor counts: its unit, by how long sweeps last against the time between
-/// them, and its zero. Drivers of the same field name and type mean different things, so that neither decides alone.
+/// Finds out the unit and the zero of the time field of one sensor, by comparing the duration of sweeps with the time
+/// between them. Drivers use the same field names and types with different meanings, so names do not decide alone.
 ///
 /// A sweep takes no longer than the time between stamps (before that is known, a quarter of a second), a sensor
-/// measures at most 20 million points a second, and one that sees all around takes at least half of its period (or of
-/// 50 ms) for it. Units lie a thousandfold apart, so that in the first cloud of most sensors one of them remains. While
-/// several do, the name and type decide between them; where they do not, ten clouds are waited for. Until then, and in
-/// clouds that contradict the decision, times are not used, which is counted. Five contradictions in a row decide anew.
-/// Deterministic; not thread-safe; O(1) per cloud, as it looks at a sample of the points.
+/// measures at most 20 million points per second, and a sensor that sees all around takes at least half of its period
+/// (or of 50 ms) for a sweep. Units differ by a factor of 1000, so that for most sensors the first cloud leaves only
+/// one. If several remain, name and type decide between them; if they do not, ten clouds are awaited. Until then, and
+/// in clouds that contradict the decision, times are not used, which is counted. After five contradictions in a row the
+/// unit is decided again. Deterministic; not thread-safe; O(1) per cloud, as only a sample of the points is read.
 class PointTimes {
  public:
   PointTimes();
@@ -74,7 +74,7 @@ class PointTimes {
   PointTimes(PointTimes&&) noexcept;
   PointTimes& operator=(PointTimes&&) noexcept;
 
-  /// Takes the next cloud of the sensor into account, and says how its times are read.
+  /// Adds the next cloud of the sensor, and returns how its times are read.
   CloudTimes judge(const RawCloudView& cloud);
   const TimesReport& report() const;
 
@@ -83,7 +83,8 @@ class PointTimes {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Times of clouds of the cloud filter: `t` uint32 counts nanoseconds after the stamp. Nothing for other fields.
+/// Returns how the times of a cloud of the cloud filter are read, whose field `t` uint32 counts nanoseconds after the
+/// stamp; nothing for clouds with another time field.
 std::optional<CloudTimes> times_of_filtered(const RawCloudView& cloud);
 
 }  // namespace voxnav::cloud

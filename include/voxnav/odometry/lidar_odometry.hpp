@@ -14,17 +14,17 @@
 
 namespace voxnav::odometry {
 
-/// Who tells clouds of the present clock from those with a mistaken stamp.
+/// Who checks whether the stamp of a cloud is wrong or of another clock.
 enum class StampChecks : std::uint8_t {
-  kOwn,      ///< the odometry: a clock that was set anew is believed at its third cloud
-  kByCaller  ///< whoever adds them: a fall by more than a second is another clock at once
+  kOwn,      ///< the odometry, which accepts another clock at its third cloud
+  kByCaller  ///< the caller; the odometry takes a step back by more than a second for another clock at once
 };
 
 /// LiDAR-inertial odometry: each cloud is deskewed, registered against a bounded local map and added to it.
-/// Frame O starts at the first position of the body with heading zero, and upright when the IMU shows where up is. When
-/// it shows it later, level() can turn the frame upright then.
-/// When a registration cannot be trusted the pose follows the prediction, the covariance grows and the state says so,
-/// so that the pose never jumps to a place for which nothing speaks. Not thread-safe; deterministic.
+/// Frame O starts at the first position of the body with heading zero, and level if the IMU shows the vertical. If it
+/// shows it later, level() can make the frame level then.
+/// If a registration cannot be trusted, the pose follows the prediction, the covariance grows and the state tells it,
+/// so that the pose never jumps to a place that no measurement supports. Not thread-safe; deterministic.
 /// Source: Vizzo et al., KISS-ICP, RA-L 2023, section III; docs/maths/odometry.md has the formulas and the differences.
 class LidarOdometry {
  public:
@@ -37,7 +37,7 @@ class LidarOdometry {
   LidarOdometry& operator=(LidarOdometry&&) noexcept;
 
   /// Adds a sample. One that is not finite, not newer than the last, or alone on another clock is refused and counted.
-  /// @return whether it was taken
+  /// @return true if it was accepted
   bool add_imu(const ImuSample& sample);
 
   /// Finds the pose at which a cloud was taken.
@@ -53,18 +53,19 @@ class LidarOdometry {
   /// Finds the pose at which a sweep of cloud::read_sweep() was taken, as add_cloud() does.
   OdometryResult add_sweep(const cloud::Sweep& sweep);
 
-  /// Whether the z axis of frame O points up, as the IMU has shown.
+  /// Returns true if the z axis of frame O points up according to the IMU.
   bool is_level() const;
-  /// Turns frame O upright around its origin, once IMU and motion since the first cloud show where up is (after two
-  /// seconds of both, or less when `is_end` says that there will be no more).
-  /// @return T_new_O, the turn of the frame, by which the caller moves what is given in it; nothing when the frame is
-  ///         level already, or up is not known yet
+  /// Makes frame O level by a rotation about its origin, once IMU and motion since the first cloud show the vertical
+  /// (after two seconds of both, or less if `is_end` tells that no more will come).
+  /// @return T_new_O, by which the caller transforms what is given in the frame; nothing if the frame is level already
+  ///         or the vertical is not known yet
   std::optional<geometry::Pose> level(bool is_end = false);
-  /// Between the z axis of frame O and up as the IMU shows it over all of the flight [rad]; nothing when it does not.
+  /// Returns the angle in rad between the z axis of frame O and the vertical that the IMU shows over the whole flight;
+  /// nothing if it does not show it.
   std::optional<double> tilt_rad() const;
-  /// What became of the stamps of IMU samples.
+  /// The counts of the stamps of IMU samples.
   const base::StampCounts& imu_stamps() const;
-  /// What is wrong with the IMU samples and the frame, in sentences for people; empty when all is well.
+  /// Returns what is wrong with the IMU samples and the frame, in sentences for people; empty if nothing is.
   std::vector<std::string> problems() const;
 
   /// Forgets map, motion and IMU; the next cloud starts at T_O_B.

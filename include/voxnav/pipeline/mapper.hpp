@@ -88,7 +88,7 @@ class Mapper {
   const occupancy::LocalMap& map() const;
   /// The stamp of the newest sweep in the map; nothing before the first.
   std::optional<base::StampNs> newest_stamp_ns() const;
-  /// What is wrong with the IMU samples and the frame of the mapper's own odometry, in sentences for people.
+  /// Returns what is wrong with the IMU samples and the frame of the mapper's own odometry, in sentences for people.
   std::vector<std::string> odometry_problems() const;
   /// The mapper's own odometry, if it has one.
   const odometry::LidarOdometry* odometry() const;

@@ -47,7 +47,7 @@ StampVerdict ClockWatch::judge(StampNs stamp_ns) {
 }
 
 StampVerdict ClockWatch::judge_stray(StampNs stamp_ns) {
-  // Those ahead may be of a source that is slower than the limit, and follow each other as they follow the newest one.
+  // A source may be slower than the limit: then stamps ahead follow each other at the distance to the newest stamp.
   const StampNs lead_ns = stamp_ns - *newest_ns_;
   const StampNs max_step_ns = std::max({limits_.max_lag_ns, limits_.max_lead_ns.value_or(0), lead_ns / 2});
   const bool confirms = stray_ns_ && stamp_ns > *stray_ns_ && stamp_ns <= *stray_ns_ + max_step_ns;

@@ -9,7 +9,7 @@
 namespace voxnav::cloud {
 namespace {
 
-/// More than any LiDAR sweeps out; a larger cloud is a broken header, not data.
+/// No LiDAR has more points in a sweep, so a larger cloud has a damaged header.
 constexpr std::uint64_t kMaxPoints = std::uint64_t{1} << 26;
 
 template <class T>
@@ -42,7 +42,7 @@ std::string coordinate_problem(const CloudLayout& layout, const char* name) {
   return {};
 }
 
-/// Every product below fits 64 bits: the sides are 32-bit numbers.
+/// Returns what is wrong with the sizes of a layout. The sides are 32-bit numbers, so every product fits 64 bits.
 std::string size_problem(const CloudLayout& layout, std::size_t data_size) {
   const std::string shape = std::to_string(layout.height) + " x " + std::to_string(layout.width) + " points";
   if (layout.num_points() > kMaxPoints) return shape + " are more than " + std::to_string(kMaxPoints);
@@ -65,7 +65,7 @@ bool mentions_time(std::string name) {
   return name.find("time") != std::string::npos || name.find("stamp") != std::string::npos;
 }
 
-/// By the names of known drivers first, then by any name that speaks of time.
+/// Finds the time field, first by the names that drivers use, then by any name that contains the word time.
 const CloudField* find_time(const CloudLayout& layout) {
   for (const char* name : {"t", "time", "timestamp", "time_stamp", "offset_time", "time_offset", "time_offset_ns"}) {
     if (const CloudField* field = layout.find(name)) return field;
@@ -75,7 +75,7 @@ const CloudField* find_time(const CloudLayout& layout) {
   return it == layout.fields.end() ? nullptr : &*it;
 }
 
-/// All three, as numbers with a fraction, or none.
+/// Finds the fields of beam directions: all three as floating-point numbers, or none.
 void resolve_beam(const CloudLayout& layout, CloudAccess* access) {
   const CloudField* fields[] = {layout.find("beam_x"), layout.find("beam_y"), layout.find("beam_z")};
   for (const CloudField* field : fields) {
@@ -121,7 +121,7 @@ std::uint64_t CloudLayout::bytes_per_row(std::size_t data_size) const {
   const std::uint64_t packed_row = static_cast<std::uint64_t>(width) * point_step;
   const std::uint64_t packed = packed_row * height;
   const std::uint64_t needed = (height - std::uint64_t{1}) * row_step + packed_row;
-  // A buffer that holds the cloud once but not a step of that length for each row has packed rows.
+  // If the buffer holds all points but is too short for the given row step, the rows are packed.
   const bool is_whole_cloud = height > 1 && row_step == packed && data_size >= packed && data_size < needed;
   return row_step == 0 || is_whole_cloud ? packed_row : row_step;
 }

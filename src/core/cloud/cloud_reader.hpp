@@ -15,7 +15,7 @@ inline float load_float(const std::uint8_t* bytes) {
   return value;
 }
 
-/// Coordinates and intensity are float32, as in nearly every driver.
+/// Reads points whose coordinates and intensity are float32, as in nearly every driver.
 struct Float32Reader {
   explicit Float32Reader(const CloudAccess& a)
       : x(a.x.offset),
@@ -35,10 +35,10 @@ struct Float32Reader {
   float intensity(const std::uint8_t* p) const { return load_float(p + i) * scale; }
 
   std::uint32_t x, y, z, i;
-  float scale;  // 0 without intensity field: the load then hits x, which is finite where this is asked
+  float scale;  // 0 without an intensity field: x is loaded instead, which is finite when this is called
 };
 
-/// Any types.
+/// Reads points of any types.
 struct AnyReader {
   explicit AnyReader(const CloudAccess& a) : access(a) {}
   void position(const std::uint8_t* p, float* out) const {
@@ -52,18 +52,18 @@ struct AnyReader {
   CloudAccess access;
 };
 
-/// Point times as nanoseconds after the cloud's stamp, with the least of them.
+/// Reads point times as nanoseconds after the cloud's stamp, and remembers the least of them.
 class TimeReader {
  public:
   TimeReader(const CloudAccess& access, const CloudTimes& times) : times_(times), last_ns_(0) {
     if (!access.time || times.tick_ns == 0.0) return;
     is_used_ = true;
     field_ = access.time->access;
-    // Ouster's way, which most sensors follow: the numbers are the offsets themselves.
+    // As with Ouster, whose format is common, the numbers are the offsets themselves and need no conversion.
     is_direct_ = field_.type == FieldType::kUint32 && times.tick_ns == 1.0 && times.zero == 0.0 && times.first_ns <= 0;
     if (is_direct_) last_ns_ = static_cast<std::uint32_t>(times.last_ns);
   }
-  /// Offset of one point; two's complement when negative (fixed by the caller with min_ns()).
+  /// Returns the offset of one point. A negative one is in two's complement, and the caller adds the least, min_ns().
   std::uint32_t operator()(const std::uint8_t* point) {
     if (is_direct_) {
       std::uint32_t value;

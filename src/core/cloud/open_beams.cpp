@@ -9,12 +9,12 @@ namespace voxnav::cloud {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-/// Rows are learnt in turn, from some of their columns: the pattern does not change.
+/// Rows are learnt in turn, and from some of their columns only, because the pattern of a sensor does not change.
 constexpr std::uint32_t kRowCycle = 4;
 constexpr std::uint32_t kColumnStride = 16;
 constexpr double kMinSamples = 8.0;
 constexpr double kMaxSamples = 4096.0;
-/// Least length of the mean of unit vectors for their direction to be known: about 2 degrees of scatter.
+/// The least length of the mean of unit vectors for which their direction is known, which allows 2 degrees of scatter.
 constexpr double kMinConcentration = 0.9993;
 constexpr double kMaxElevationScatter_rad = 0.02;
 constexpr double kMaxLineError_rad = 0.03;
@@ -86,7 +86,7 @@ void OpenBeams::learn(const RawCloudView& cloud) {
   }
 }
 
-/// Which way the columns turn, by the direction in which the rows agree with themselves.
+/// Decides in which direction the columns turn, by the one with which the azimuths of a row agree.
 bool OpenBeams::choose_turn() {
   std::array<int, 2> agreeing{0, 0};
   int known = 0;

@@ -11,20 +11,21 @@ namespace voxnav::cloud {
 namespace {
 
 constexpr double kMaxPointRate_hz = 20e6;
-/// Of the sweep period, that a sensor which sees all around takes at least for its sweep.
+/// The share of the period that a sensor which sees all around takes at least for its sweep.
 constexpr double kLeastShare = 0.5;
 constexpr double kFastestPeriod_s = 0.05;
-/// Longest sweep of the usual 5 to 20 Hz, before the stamps tell; and the longest at all.
+/// The longest sweep at the usual 5 to 20 Hz, for the time before stamps show the period, and the longest of any
+/// sensor.
 constexpr double kUsualSweep_s = 0.25, kMaxSweep_s = 1.05;
-/// By which a sweep may last longer than the step between stamps, for stamps that jitter.
+/// A sweep may last longer than the step between stamps by this factor and this time, because stamps jitter.
 constexpr double kSweepSlack = 1.25, kSweepSlack_s = 0.005;
-/// Fewer returns show nothing.
+/// With fewer returns or different times a cloud does not show the unit.
 constexpr std::size_t kMinSampled = 16, kMinDistinct = 8;
-/// Looked at in each cloud until the unit is known, and after.
+/// The numbers of points that are read in each cloud before the unit is known, and afterwards.
 constexpr std::size_t kManySamples = 2048, kFewSamples = 256;
 constexpr std::uint64_t kCloudsToWait = 10;
 constexpr int kNumContradictions = 5;
-/// So many clouds in a row that count from another zero change it.
+/// The number of clouds in a row with another zero after which the zero is changed.
 constexpr int kNumOtherZero = 3;
 
 }  // namespace
@@ -94,15 +95,15 @@ void PointTimes::Impl::consider_all() {
   num_contradictions_ = 0;
 }
 
-/// @return whether the unit of this cloud is known
+/// Chooses the unit by one more cloud. @return true if the unit of this cloud is known
 bool PointTimes::Impl::choose_unit(const TimeSpread& spread) {
   const bool is_known = report_.state == TimesState::kMeasured || report_.state == TimesState::kByName;
   if (spread.num_looked_at < kMinSampled) {
-    // So few show nothing, and little is lost by what the field usually means.
+    // So few points do not show the unit, and a wrong unit does little harm to them, so name and type decide.
     if (num_considered_ == 0) take(usual_.unit, TimesState::kByName);
     return is_known || num_considered_ == 0;
   }
-  if (is_known && spread.num_distinct < kMinDistinct) return true;  // few directions: nothing is contradicted
+  if (is_known && spread.num_distinct < kMinDistinct) return true;  // so few directions contradict no unit
   if (report_.state == TimesState::kMeasured) {
     if (is_possible(report_.unit, spread)) {
       num_contradictions_ = 0;
@@ -135,7 +136,7 @@ bool PointTimes::Impl::consider(const TimeSpread& spread) {
   } else if (has_usual) {
     take(usual_.unit, TimesState::kByName);
   } else if (num_considered_ >= kCloudsToWait) {
-    take(candidates_.front(), TimesState::kMeasured);  // with the greatest, points fill most of the time between stamps
+    take(candidates_.front(), TimesState::kMeasured);  // the largest unit, so that points fill most of the period
   }
   return report_.state != TimesState::kUndecided;
 }
@@ -147,19 +148,19 @@ void PointTimes::Impl::take(TimeUnit unit, TimesState state) {
 
 TimeZero PointTimes::Impl::zero_of(const TimeSpread& spread, double stamp_ticks) {
   if (spread.num_sampled == 0) return zero_.value_or(usual_.zero);
-  // The stamp is that of the start or the end of the sweep, or of when it arrived.
+  // The stamp may be that of the start or the end of the sweep, or of its arrival.
   const double longest = longest_sweep_s() / seconds_of(report_.unit);
   const auto is_around_stamp = [&](double after) { return after >= -1.5 * longest && after <= 1.1 * longest; };
   const bool is_near_stamp = is_around_stamp(difference(spread.median, 0.0, report_.type));
   const bool is_near_epoch = !is_counter(report_.type) && is_around_stamp(spread.median - stamp_ticks);
   TimeZero zero = is_near_stamp ? TimeZero::kStamp : TimeZero::kSensorClock;
   if (is_near_epoch) zero = TimeZero::kRosTime;
-  // In the first moments after the epoch, which only simulations know, both are near.
+  // In simulations the first stamps are near the epoch, so that both zeros are possible.
   if (is_near_stamp && is_near_epoch) zero = zero_.value_or(usual_.zero);
   if (!zero_) zero_ = zero;
   num_other_zero_ = zero == *zero_ ? 0 : num_other_zero_ + 1;
   if (num_other_zero_ >= kNumOtherZero) zero_ = zero;
-  // A cloud that does not fit tells the order of its points still, as one of a clock of its own.
+  // A cloud that does not fit the zero is read as one of a clock of the sensor, which keeps the order of its points.
   return zero == *zero_ ? zero : TimeZero::kSensorClock;
 }
 
@@ -175,7 +176,7 @@ CloudTimes PointTimes::Impl::times_of(const TimeSpread& spread, base::StampNs st
   out.first_ns = -std::llround(1e9 * kMaxSweep_s);
   out.last_ns = -out.first_ns;
   if (spread.num_sampled < kMinSampled) return out;
-  // All times of a sweep lie within its longest duration of the others.
+  // All times of a sweep are within its longest duration of each other.
   const double low_ns = difference(spread.low, out.zero, report_.type) * out.tick_ns;
   const double high_ns = low_ns + spread.span() * out.tick_ns;
   const double reach_ns = 1e9 * std::max(longest_sweep_s(), kSweepSlack * spread.span() * tick_s);

@@ -9,7 +9,7 @@
 
 namespace voxnav::cloud {
 
-/// What PointTimes remembers from cloud to cloud, and the steps of its judgement.
+/// The state that PointTimes keeps from cloud to cloud, and the steps of its decision.
 class PointTimes::Impl {
  public:
   CloudTimes judge(const RawCloudView& cloud);
@@ -41,7 +41,7 @@ class PointTimes::Impl {
   TimesReport report_;
   StampSteps steps_;
   TimeSampler sampler_;
-  std::vector<TimeUnit> candidates_;  // that no cloud contradicted, greatest first
+  std::vector<TimeUnit> candidates_;  // the units that no cloud contradicted, largest first
   struct Usual {
     TimeUnit unit = TimeUnit::kNanosecond;
     TimeZero zero = TimeZero::kStamp;

@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kDirections = 36;
 constexpr double kShare = 0.9;
-/// Of the span of that share, within which the other times belong to the same sweep.
+/// Other times belong to the same sweep if they are nearer to that span than this share of it.
 constexpr double kMargin = 0.2;
 
-/// Where the shortest span of `count` sorted numbers begins.
+/// Returns the index at which the shortest span of `count` sorted numbers begins.
 std::size_t densest(const std::vector<double>& sorted, std::size_t count) {
   std::size_t best = 0;
   for (std::size_t i = 0; i + count <= sorted.size(); ++i) {
@@ -27,7 +27,7 @@ std::size_t densest(const std::vector<double>& sorted, std::size_t count) {
 
 double difference(double later, double earlier, FieldType type) {
   if (!is_counter(type)) return later - earlier;
-  // The counters are exact as doubles, and their difference modulo 2^32 is the nearest of those that it can be.
+  // Counters are exact as doubles, and the smallest of their differences modulo 2^32 is the right one.
   return std::remainder(later - earlier, 4294967296.0);
 }
 
@@ -39,7 +39,7 @@ TimeSpread TimeSampler::sample(const RawCloudView& cloud, std::size_t num_points
   out.num_returns = num_looked_at_ == 0 ? 0.0
                                         : static_cast<double>(cloud.num_points()) * static_cast<double>(num_returns_) /
                                               static_cast<double>(num_looked_at_);
-  // Those at the edges may be seen in part only.
+  // The two directions at the edges of a sector may be covered only in part.
   out.coverage = std::max(0.0, static_cast<double>(num_directions_) - 2.0) / kDirections;
   if (times_.empty()) return out;
   unwrap(cloud.access().time->access);
@@ -50,7 +50,7 @@ TimeSpread TimeSampler::sample(const RawCloudView& cloud, std::size_t num_points
   out.low = *std::lower_bound(times_.begin(), times_.end(), low - margin);
   out.high = *std::prev(std::upper_bound(times_.begin(), times_.end(), high + margin));
   out.median = times_[times_.size() / 2];
-  // Last, as it leaves the numbers in no order.
+  // This comes last, because std::unique() leaves the rest of the numbers undefined.
   out.num_distinct = static_cast<std::size_t>(std::unique(times_.begin(), times_.end()) - times_.begin());
   return out;
 }
@@ -58,7 +58,7 @@ TimeSpread TimeSampler::sample(const RawCloudView& cloud, std::size_t num_points
 void TimeSampler::collect(const RawCloudView& cloud, std::size_t num_points) {
   const CloudAccess& access = cloud.access();
   const std::uint64_t total = cloud.num_points();
-  // Odd, so that it does not stay in the same columns of clouds whose width is a power of two.
+  // The step is odd, because with a width that is a power of two an even step would always read the same columns.
   const std::uint64_t step = std::max<std::uint64_t>(1, total / num_points) | 1U;
   std::bitset<kDirections> seen;
   times_.clear();
@@ -78,7 +78,7 @@ void TimeSampler::collect(const RawCloudView& cloud, std::size_t num_points) {
   num_directions_ = seen.count();
 }
 
-/// Makes one run of counters that began anew within the sweep, by their differences from one of the majority.
+/// Makes counters that overflowed within the sweep continuous, by their differences from one of the majority.
 void TimeSampler::unwrap(const FieldAccess& time) {
   if (!is_counter(time.type)) return;
   const auto middle = times_.begin() + static_cast<std::ptrdiff_t>(times_.size() / 2);

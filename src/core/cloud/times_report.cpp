@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said of a sensor's point times, and what names of fields usually mean.
+// The sentences on the point times of a sensor, and the usual meaning of names of fields.
 #include <cstdio>
 
 #include "cloud/point_times_impl.hpp"
@@ -43,8 +43,8 @@ std::string period_words(const TimesReport& report) {
 
 }  // namespace
 
-/// Integers are nanoseconds and fractions seconds, unless the name ends with a unit. Doubles count from 1970, but for
-/// `t`.
+/// Returns the usual meaning of a field: integers are nanoseconds and other numbers seconds, unless the name ends with
+/// a unit. Doubles count from 1970, except in `t`.
 PointTimes::Impl::Usual PointTimes::Impl::usual_reading(const TimeField& field) {
   const FieldType type = field.access.type;
   const bool is_float = type == FieldType::kFloat32 || type == FieldType::kFloat64;

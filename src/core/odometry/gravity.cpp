@@ -10,13 +10,13 @@ namespace {
 using geometry::Vec3;
 
 constexpr double kGravity_mps2 = 9.81;
-/// Gravity in m/s^2, g, mg, cm/s^2 and mm/s^2.
+/// The norms of gravity in m/s^2, g, mg, cm/s^2 and mm/s^2.
 constexpr double kNorms[] = {kGravity_mps2, 1.0, 1000.0, 981.0, 9810.0};
 constexpr double kNormTolerance = 0.4;
-/// Of samples whose directions scatter, the mean is shorter than they are.
+/// The least ratio of the norm of the mean to the mean norm, which is lower if the directions of the samples scatter.
 constexpr double kLeastAgreement = 0.8;
 
-/// Factor to m/s^2 of samples whose norm at rest would be `norm`.
+/// Returns the factor that converts samples with this norm at rest to m/s^2, or nothing if the norm fits no unit.
 std::optional<double> scale_of(double norm) {
   for (const double gravity : kNorms) {
     if (std::abs(norm - gravity) <= kNormTolerance * gravity) return kGravity_mps2 / gravity;
@@ -50,15 +50,15 @@ void Gravity::note(const Vec3& position_O) {
   }
 }
 
-/// A body at position p, pushed by the specific force f, moves by p'' = f - g up. What the twice integrated force is
-/// ahead of the positions is hence a parabola g/2 up t^2 + ..., which is fitted to all of them: positions are known
-/// far better than the velocities between two of them.
+/// A body at position p with the specific force f moves by p'' = f - g up. Hence the force, integrated twice, minus the
+/// positions is a parabola g/2 up t^2 + ..., which is fitted to all of them, because positions are known far better
+/// than the velocities between two of them.
 std::optional<Vec3> Gravity::up_O(double least_s) const {
-  constexpr double kFewest = 4.0;  // positions that overdetermine a parabola
+  constexpr double kFewest = 4.0;  // the least number of positions that overdetermine a parabola
   if (span_s_ < least_s || span_s_ <= 0.0 || moments_.time[0] < kFewest) return std::nullopt;
   const auto scale = scale_of(force_s_.norm() / span_s_);
   if (!scale) return std::nullopt;
-  // Time counts in spans, so that the powers are of one size.
+  // Time is in units of the whole span, so that its powers have similar sizes.
   Eigen::Matrix3d normal;
   Eigen::Matrix3d ahead;  // a row for each power
   for (std::size_t row = 0; row < 3; ++row) {

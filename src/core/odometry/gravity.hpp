@@ -8,32 +8,32 @@
 
 namespace voxnav::odometry {
 
-/// Specific force over a time span, in the unit and the axes of the samples.
+/// The specific force over a time span, in the unit and the axes of the samples.
 struct MeanForce {
   geometry::Vec3 mean = geometry::Vec3::Zero();
-  double mean_norm = 0.0;  ///< of the samples; greater than the norm of their mean where they differ in direction
+  double mean_norm = 0.0;  ///< mean of the norms, which is above the norm of the mean if directions differ
 };
 
-/// Finds out which way is up from the specific force that an IMU measures. The direction decides: the norm only has to
-/// be that of gravity within 40 % in m/s^2, g, mg, cm/s^2 or mm/s^2, since IMUs give any of these.
+/// Finds the direction of the vertical from the specific force that an IMU measures. Its norm only has to be that of
+/// gravity within 40 % in m/s^2, g, mg, cm/s^2 or mm/s^2, because IMUs give any of these units.
 class Gravity {
  public:
-  /// Where up is in the axes of the samples, of a body that does not accelerate. Nothing when the samples disagree, or
-  /// when their norm is not that of gravity.
+  /// Returns the upward direction in the axes of the samples, for a body that does not accelerate; nothing if the
+  /// samples disagree, or if their norm is not that of gravity.
   static std::optional<geometry::Vec3> up_at_rest(const MeanForce& force);
 
-  /// Adds a time span that follows the one before without a gap; all in frame O, which need not be level.
+  /// Adds a time span that follows the one before without a gap. All is in frame O, which need not be level.
   /// @param force_O  mean specific force, rotated into frame O, in the unit of the samples
   /// @param from_O, to_O  positions at both ends of the span
   void add(const geometry::Vec3& force_O, const geometry::Vec3& from_O, const geometry::Vec3& to_O, double dt_s);
   void clear() { *this = Gravity(); }
-  /// Where up is in frame O, over all spans since clear(), of a body that may have accelerated. Nothing before
-  /// `least_s` of them. O(1).
+  /// Returns the upward direction in frame O from all spans since clear(), for a body that may have accelerated;
+  /// nothing before these cover `least_s`. O(1).
   std::optional<geometry::Vec3> up_O(double least_s) const;
 
  private:
-  /// Sums over the times t at which positions are known: of t^k, and of the position and the twice integrated force
-  /// times t^k.
+  /// Sums over the times t at which positions are known: of t^k, of t^k times the position, and of t^k times the force
+  /// that was integrated twice.
   struct Moments {
     std::array<double, 5> time{};
     std::array<geometry::Vec3, 3> position{geometry::Vec3::Zero(), geometry::Vec3::Zero(), geometry::Vec3::Zero()};
@@ -43,11 +43,11 @@ class Gravity {
 
   double span_s_ = 0.0;
   geometry::Vec3 force_s_ = geometry::Vec3::Zero();   // integral of the force, in the unit of the samples
-  geometry::Vec3 force_s2_ = geometry::Vec3::Zero();  // integral of the integral
+  geometry::Vec3 force_s2_ = geometry::Vec3::Zero();  // integral of that integral
   Moments moments_;
 };
 
-/// The rotation with heading zero that turns `up` to the z axis.
+/// Returns the rotation with heading zero that maps `up` to the z axis.
 Eigen::Matrix3d levelling(const geometry::Vec3& up);
 
 }  // namespace voxnav::odometry
