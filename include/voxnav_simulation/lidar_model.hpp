@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "voxnav_simulation/lidar_config.hpp"
@@ -10,12 +11,19 @@
 
 namespace voxnav_simulation {
 
+class BeamFootprint;
+class Rain;
+
 /// Simulates the scans of a spinning LiDAR in a scene. The same seed, scan index and poses give the same scan with any
-/// number of threads. Beam divergence (mixed returns at edges), rain and fog are not simulated.
+/// number of threads. Beams have width and give mixed returns if LidarConfig::footprint_rays says so. Fog is not
+/// simulated.
 class LidarModel {
  public:
   /// @throws voxnav::base::ConfigError
   LidarModel(const LidarConfig& config, std::uint64_t seed);
+  ~LidarModel();
+  LidarModel(LidarModel&&) noexcept;
+  LidarModel& operator=(LidarModel&&) noexcept;
 
   const LidarConfig& config() const { return config_; }
   int rows() const { return static_cast<int>(beams_.size()); }
@@ -38,15 +46,28 @@ class LidarModel {
     float signal;
     std::uint8_t label;
   };
+  /// What returns a beam, if anything does.
+  struct Target {
+    float range_m;
+    float power;  ///< photons that would return from a range of 1 m
+    std::uint8_t label;
+  };
+  struct Footprints;
   void scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_key, int first, int last,
                     LidarScan* out) const;
-  Return measure(const Hit& hit, float body_range_m, bool is_towards_sun, std::uint64_t key) const;
-  float signal_of(float reflectance, float cos_incidence, float range_m, std::uint64_t key) const;
+  void cast_column(const Scene& scene, const Pose& T_W_L, int column, std::uint64_t scan_key, Footprints* out) const;
+  std::uint64_t key_of(std::uint64_t scan_key, int column, std::size_t beam) const;
+  Target target_of(const Hit* hits, float body_range_m) const;
+  Target seen_through_rain(const Target& target, std::uint64_t key) const;
+  Return measure(const Target& target, bool is_towards_sun, std::uint64_t key) const;
+  float signal_of(const Target& target, std::uint64_t key) const;
   void store(const Return& measured, std::size_t pixel, const Vec3f& direction_L, LidarScan* out) const;
 
   LidarConfig config_;
   std::uint64_t seed_;
   std::vector<Beam> beams_;
+  std::unique_ptr<const BeamFootprint> footprint_;
+  std::unique_ptr<const Rain> rain_;
   std::vector<float> body_ranges_m_;  ///< per column and row; infinite where the beam misses the UAV
   Vec3f sun_W_;
   float cos_sun_half_angle_;

@@ -10,7 +10,9 @@ namespace voxnav_simulation {
 /// Labels for the origin of a return, beside those of SurfaceClass.
 inline constexpr std::uint8_t kLabelOwnBody = 100;
 inline constexpr std::uint8_t kLabelGhost = 101;
-inline constexpr std::uint8_t kLabelNone = 255;  ///< no return
+inline constexpr std::uint8_t kLabelRain = 102;
+inline constexpr std::uint8_t kLabelSpeckle = 103;  ///< dust, or the noise of sunlight
+inline constexpr std::uint8_t kLabelNone = 255;     ///< no return
 
 /// One turn of the sensor as an image. Row 0 is the top beam. Column 0 is measured first and looks backwards; the
 /// columns follow clockwise as seen from above, as with Ouster sensors. Pixel (row, column) is at index

@@ -36,6 +36,8 @@ struct WorldConfig {
   double low_branch_ratio = 0.10;
   int leaves_per_tree = 300;
   double leaf_size_m = 0.30;
+  int twigs_per_tree = 0;
+  double twig_radius_m = 0.003;
 
   double bushes_per_ha = 60.0;
   double bush_radius_max_m = 0.9;
@@ -110,8 +112,10 @@ void WorldConfig::tree_fields(V& v) {
   v("crown_radius_max_m", &C::crown_radius_max_m, in(0.3, 10), "m", "widest crown");
   v("branches_per_tree", &C::branches_per_tree, in(0, 100), "", "branches inside the crown");
   v("low_branch_ratio", &C::low_branch_ratio, in(0, 1), "", "share of trees with dead branches below the crown");
-  v("leaves_per_tree", &C::leaves_per_tree, in(0, 5000), "", "leaf triangles per crown; their gaps let beams through");
+  v("leaves_per_tree", &C::leaves_per_tree, in(0, 50000), "", "leaf triangles per crown; their gaps let beams through");
   v("leaf_size_m", &C::leaf_size_m, in(0.02, 1), "m", "edge of a leaf triangle");
+  v("twigs_per_tree", &C::twigs_per_tree, in(0, 5000), "", "leafless twigs in and around the crown");
+  v("twig_radius_m", &C::twig_radius_m, in(0.0005, 0.02), "m", "radius of a twig, which fills only part of a beam");
 }
 
 template <class V>
@@ -121,7 +125,7 @@ void WorldConfig::object_fields(V& v) {
   using voxnav::base::in;
   v("bushes_per_ha", &C::bushes_per_ha, in(0, 1000), "1/ha", "bushes per hectare");
   v("bush_radius_max_m", &C::bush_radius_max_m, in(0.3, 3), "m", "widest bush");
-  v("leaves_per_bush", &C::leaves_per_bush, in(0, 2000), "", "leaf triangles per bush");
+  v("leaves_per_bush", &C::leaves_per_bush, in(0, 20000), "", "leaf triangles per bush");
   v("num_poles", &C::num_poles, in(0, 1000), "", "thin vertical poles");
   v("pole_radius_min_m", &C::pole_radius_min_m, in(0.005, 0.5), "m", "thinnest pole");
   v("pole_radius_max_m", &C::pole_radius_max_m, in(0.005, 0.5), "m", "thickest pole");

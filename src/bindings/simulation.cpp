@@ -196,6 +196,8 @@ PYBIND11_MODULE(_simulation, m) {
   }
   classes["own_body"] = voxnav_simulation::kLabelOwnBody;
   classes["ghost"] = voxnav_simulation::kLabelGhost;
+  classes["rain"] = voxnav_simulation::kLabelRain;
+  classes["speckle"] = voxnav_simulation::kLabelSpeckle;
   classes["none"] = voxnav_simulation::kLabelNone;
   m.attr("CLASSES") = classes;
 }

@@ -73,6 +73,12 @@ class LidarConfig:
     signal_saturation: float
     signal_noise_ratio: float
     min_signal: float
+    beam_divergence_rad: float
+    footprint_rays: int
+    echo_separation_m: float
+    rain_mm_per_h: float
+    speckle_ratio: float
+    speckle_max_range_m: float
     ghost_ratio: float
     ghost_max_range_m: float
     ghost_intensity_max: float
@@ -89,7 +95,9 @@ class LidarConfig:
         model: str = ..., beam_elevations_rad: Sequence[Any] = ..., columns: int = ..., rate_hz: float = ...,
         min_range_m: float = ..., max_range_m: float = ..., range_noise_m: float = ..., dropout_ratio: float = ...,
         signal_scale: float = ..., signal_saturation: float = ..., signal_noise_ratio: float = ...,
-        min_signal: float = ..., ghost_ratio: float = ..., ghost_max_range_m: float = ...,
+        min_signal: float = ..., beam_divergence_rad: float = ..., footprint_rays: int = ...,
+        echo_separation_m: float = ..., rain_mm_per_h: float = ..., speckle_ratio: float = ...,
+        speckle_max_range_m: float = ..., ghost_ratio: float = ..., ghost_max_range_m: float = ...,
         ghost_intensity_max: float = ..., sun_azimuth_rad: float = ..., sun_elevation_rad: float = ...,
         sun_half_angle_rad: float = ..., mount_position_m: Sequence[float] = ...,
         mount_rpy_rad: Sequence[float] = ..., body_capsules_m: Sequence[float] = ..., body_reflectance: float = ...,
@@ -257,6 +265,8 @@ class WorldConfig:
     low_branch_ratio: float
     leaves_per_tree: int
     leaf_size_m: float
+    twigs_per_tree: int
+    twig_radius_m: float
     bushes_per_ha: float
     bush_radius_max_m: float
     leaves_per_bush: int
@@ -282,8 +292,8 @@ class WorldConfig:
         trunk_radius_min_m: float = ..., trunk_radius_max_m: float = ..., trunk_lean_max_rad: float = ...,
         conifer_ratio: float = ..., crown_base_min_m: float = ..., crown_base_max_m: float = ...,
         crown_radius_max_m: float = ..., branches_per_tree: int = ..., low_branch_ratio: float = ...,
-        leaves_per_tree: int = ..., leaf_size_m: float = ..., bushes_per_ha: float = ...,
-        bush_radius_max_m: float = ..., leaves_per_bush: int = ..., num_poles: int = ...,
+        leaves_per_tree: int = ..., leaf_size_m: float = ..., twigs_per_tree: int = ..., twig_radius_m: float = ...,
+        bushes_per_ha: float = ..., bush_radius_max_m: float = ..., leaves_per_bush: int = ..., num_poles: int = ...,
         pole_radius_min_m: float = ..., pole_radius_max_m: float = ..., pole_height_m: float = ...,
         rocks_per_ha: float = ..., rock_radius_max_m: float = ..., num_walls: int = ..., wall_length_m: float = ...,
         wall_height_m: float = ..., num_houses: int = ..., has_vehicle: bool = ...,

@@ -36,6 +36,9 @@ std::vector<std::string> LidarConfig::problems() const {
   if (ghost_ratio > 0 && ghost_max_range_m <= min_range_m) {
     out.emplace_back("ghost_max_range_m must exceed min_range_m");
   }
+  if (speckle_ratio > 0 && speckle_max_range_m <= min_range_m) {
+    out.emplace_back("speckle_max_range_m must exceed min_range_m");
+  }
   if (body_capsules_m.size() % kCapsuleNumbers != 0 || body_capsules_m.size() > kMaxCapsules * kCapsuleNumbers) {
     out.emplace_back("body_capsules_m must hold seven numbers per capsule, at most 100 capsules");
   }

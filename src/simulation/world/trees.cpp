@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kTrunkSides = 12;
 constexpr int kBranchSides = 4;
+constexpr int kTwigSides = 3;
 constexpr double kRootDepthM = 0.4;  // depth of trunks below the ground, so that no gap shows on slopes
 constexpr double kTopRadiusRatio = 0.3;
 
@@ -91,6 +92,18 @@ void append_crown(const WorldConfig& config, const Tree& tree, Rng* rng, WorldMe
   }
 }
 
+/// Twigs grow outwards in the outer half of the crown, and beyond it.
+void append_twigs(const WorldConfig& config, const Tree& tree, Rng* rng, WorldMesh* mesh) {
+  for (int i = 0; i < config.twigs_per_tree; ++i) {
+    const double along = rng->uniform(tree.crown_base_m, tree.height_m);
+    const Vec3 outwards = horizontal(rng->uniform(0.0, 2.0 * M_PI));
+    const Vec3 root = tree.trunk.a + along * tree.axis() + tree.crown_reach(along) * rng->uniform(0.5, 1.0) * outwards;
+    const Vec3 direction = (outwards + 0.8 * random_direction(rng)).normalized();
+    const Vec3 tip = root + rng->uniform(0.2, 0.6) * direction;
+    append_rod(mesh, {root, tip, config.twig_radius_m, 0.5 * config.twig_radius_m}, kTwigSides, SurfaceClass::kBranch);
+  }
+}
+
 }  // namespace
 
 int plant_trees(Site* site) {
@@ -106,6 +119,7 @@ int plant_trees(Site* site) {
     append_trunk(tree, site->mesh);
     append_branches(config, tree, &shape, site->mesh);
     append_crown(config, tree, &shape, site->mesh);
+    append_twigs(config, tree, &shape, site->mesh);
     site->stems->push_back({tree.trunk, SurfaceClass::kTrunk});
   }
   return wanted;
