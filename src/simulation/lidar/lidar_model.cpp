@@ -15,6 +15,7 @@ namespace voxnav_simulation {
 namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
+
 }  // namespace
 
 /// The beams of one column: the axis of each, and the rays of all footprints with what they met.
