@@ -10,7 +10,7 @@ namespace voxnav_simulation {
 
 /// Parameters of the lidar_simulator node besides those of the sensor.
 struct LidarSimulatorConfig {
-  std::string world_yaml = "";
+  std::string world_yaml;
   int seed = 1;
   DriverLayout layout = DriverLayout::kOuster;
   std::string sensor_frame_id = "uav1/os_sensor";

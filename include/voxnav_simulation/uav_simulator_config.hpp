@@ -10,7 +10,7 @@ namespace voxnav_simulation {
 
 /// Parameters of the uav_simulator node besides those of the vehicle.
 struct UavSimulatorConfig {
-  std::string world_yaml = "";
+  std::string world_yaml;
   int seed = 1;
   std::string uav_name = "uav1";
   std::string estimator = "gps_garmin";
@@ -24,7 +24,7 @@ struct UavSimulatorConfig {
   double speed_factor = 1.0;
   double start_time_s = 10.0;
   std::vector<std::string> lockstep_nodes{};
-  std::string lockstep_leader = "";
+  std::string lockstep_leader;
   double lockstep_lag_s = 0.3;
   double lockstep_period_s = 0.0;
   double lockstep_timeout_s = 20.0;

@@ -16,7 +16,7 @@ inline void warn(const std::string& text) {
 /// (x, y, z) in metres or None, with a warning, since whoever opens the file must know of it.
 inline py::object said_shift(const std::optional<geometry::Vec3>& shift_m, const std::string& path) {
   if (!shift_m) return py::none();
-  const py::tuple out = py::make_tuple(shift_m->x(), shift_m->y(), shift_m->z());
+  py::tuple out = py::make_tuple(shift_m->x(), shift_m->y(), shift_m->z());
   warn(path + ": the map lies beyond the reach of an OctoMap and was shifted; add " +
        py::cast<std::string>(py::str(py::object(out))) + " m to coordinates in the file to get those of the map");
   return out;

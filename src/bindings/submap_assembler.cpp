@@ -12,7 +12,6 @@
 namespace voxnav::bindings {
 namespace {
 
-using pipeline::Handover;
 using pipeline::SubmapAssembler;
 using pipeline::SubmapAssemblerConfig;
 using submap::Submap;

@@ -132,7 +132,7 @@ py::array_t<float> obstacle_centers(SubmapCollection& collection, double safety_
       const containers::StateBlock* block = grid.find_block(index);
       for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
         if (block->get(offset) != containers::VoxelState::kOccupied) continue;
-        out.push_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());
+        out.emplace_back(geometry::center_of(geometry::voxel_at(index, offset), grid.resolution_m()).cast<float>());
       }
     }
   }

@@ -42,8 +42,9 @@ inline nav_msgs::Odometry odometry_msg(const voxnav::odometry::OdometryResult& r
   out.header = header;
   out.child_frame_id = body_frame;
   out.pose.pose = to_msg(result.T_O_B);
+  auto to = out.pose.covariance.begin();
   for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < 6; ++c) out.pose.covariance[static_cast<std::size_t>(6 * r + c)] = result.covariance(r, c);
+    for (int c = 0; c < 6; ++c) *to++ = result.covariance(r, c);
   }
   out.twist.twist.linear = to_vector_msg(result.velocity_B);
   out.twist.twist.angular = to_vector_msg(result.angular_velocity_B);

@@ -34,7 +34,7 @@ struct SubmapIntegratorConfig {
   int max_changes = 100;
   double slice_offset_m = 0.0;
   double slice_max_distance_m = 6.0;
-  std::string autosave_dir = "";
+  std::string autosave_dir;
 
   template <class V>
   static void fields(V&& v) {

@@ -64,7 +64,7 @@ std::vector<Vec3> drift_of(std::size_t n, double peak_m) {
   double peak = 0.0;
   while (out.size() < n) {
     velocity = 0.8 * velocity + Vec3(step(rng), step(rng), 0.3 * step(rng));
-    out.push_back(out.back() + velocity);
+    out.emplace_back(out.back() + velocity);
     peak = std::max(peak, out.back().norm());
   }
   for (Vec3& d : out) d *= peak > 0.0 ? peak_m / peak : 0.0;

@@ -164,7 +164,7 @@ void distance_queries(benchmark::State& state) {
   std::uniform_real_distribution<double> jitter(-1.0, 1.0);
   std::vector<geometry::Vec3> points;
   for (const auto& s : submap.surface_points()) {
-    points.push_back(s.position.cast<double>() + geometry::Vec3(jitter(rng), jitter(rng), jitter(rng)));
+    points.emplace_back(s.position.cast<double>() + geometry::Vec3(jitter(rng), jitter(rng), jitter(rng)));
   }
   double distance = 0.0;
   geometry::Vec3 gradient;

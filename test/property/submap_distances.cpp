@@ -24,9 +24,9 @@ Truth truth_of(const occupancy::MapContent& content) {
   Truth out;
   for (const auto& block : content.blocks) {
     for (const auto& leaf : block.occupied) {
-      out.points.push_back(occupancy::surface_point(block.index, leaf, content.resolution_m).cast<double>());
+      out.points.emplace_back(occupancy::surface_point(block.index, leaf, content.resolution_m).cast<double>());
       const auto voxel = geometry::voxel_at(block.index, leaf.offset);
-      out.corners.push_back(Vec3(voxel.x, voxel.y, voxel.z) * content.resolution_m);
+      out.corners.emplace_back(Vec3(voxel.x, voxel.y, voxel.z) * content.resolution_m);
     }
   }
   return out;

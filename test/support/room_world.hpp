@@ -83,7 +83,7 @@ inline RoomSweep sweep_of(const RoomWorld& world, const std::function<geometry::
                              std::sin(elevation));
       const double range = world.range(pose.translation(), pose.linear() * d) + noise(random);
       if (range > max_range_m) continue;
-      out.points_L.push_back((d * range).cast<float>());
+      out.points_L.emplace_back((d * range).cast<float>());
       out.times_s.push_back(static_cast<float>(t));
     }
   }

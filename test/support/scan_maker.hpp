@@ -31,7 +31,7 @@ inline std::vector<geometry::Vec3> random_points(unsigned seed, int n, const geo
   for (int i = 0; i < n; ++i) {
     const double x = uniform(rng);
     const double y = uniform(rng);
-    out.push_back(center + geometry::Vec3(x, y, 0.4 * uniform(rng)));
+    out.emplace_back(center + geometry::Vec3(x, y, 0.4 * uniform(rng)));
   }
   return out;
 }

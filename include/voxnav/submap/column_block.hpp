@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "voxnav/containers/state_grid.hpp"
@@ -10,7 +11,12 @@ namespace voxnav::submap {
 
 /// One bit for each voxel of a block: bit z of the word of column x + 16 y. As submaps rotate about the vertical only,
 /// columns stay columns, and sixteen voxels are moved at once.
-using Columns = std::array<std::uint16_t, geometry::kBlockSide * geometry::kBlockSide>;
+using Columns = std::array<std::uint16_t, std::size_t{geometry::kBlockSide} * geometry::kBlockSide>;
+
+inline std::size_t column_at(int x, int y) {
+  const int column = x + geometry::kBlockSide * y;
+  return static_cast<std::size_t>(column);
+}
 
 /// The states of a block as columns. A voxel is occupied, else free, else unknown.
 struct ColumnBlock {

@@ -65,10 +65,10 @@ class EvidenceMap {
 
   void clear_block(const geometry::Index3& block) { blocks_.erase(block); }
   /// Empties a block before submaps are added to it again; its memory is kept for them.
-  void reset_block(const geometry::Index3& block);
+  void reset_block(const geometry::Index3& index);
   /// Merges the evidence of one submap into one block. Submaps must come in order of age. O(surface points of the block
   /// + 16^2).
-  void integrate(const geometry::Index3& block, const PlacedSubmap& submap);
+  void integrate(const geometry::Index3& index, const PlacedSubmap& submap);
 
   const EvidenceBlock* find(const geometry::Index3& block) const;
   const std::unordered_map<geometry::Index3, EvidenceBlock, geometry::Index3Hash>& blocks() const { return blocks_; }

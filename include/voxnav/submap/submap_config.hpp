@@ -36,7 +36,7 @@ struct SubmapCollectionConfig {
   int max_submaps = 5000;
   double max_memory_mb = 2000.0;
   double max_resident_mb = 100.0;
-  std::string page_dir = "";
+  std::string page_dir;
 
   template <class V>
   static void fields(V&& v) {

@@ -70,6 +70,7 @@ std::string to_string(const Value& value) {
     std::string operator()(const std::string& v) const { return "'" + v + "'"; }
     std::string operator()(const std::vector<double>& v) const {
       std::vector<std::string> parts;
+      parts.reserve(v.size());
       for (double x : v) parts.push_back(number(x));
       return "[" + join(parts, ", ") + "]";
     }

@@ -12,6 +12,10 @@ namespace {
 
 constexpr std::size_t kBins = std::size_t{BodyMask::kRows} * BodyMask::kColumns;
 
+std::size_t bin_at(int row, int column) {
+  return static_cast<std::size_t>(row) * BodyMask::kColumns + static_cast<std::size_t>(column);
+}
+
 }  // namespace
 
 std::size_t BodyMask::bin_of(float x, float y, float z) {
@@ -19,7 +23,7 @@ std::size_t BodyMask::bin_of(float x, float y, float z) {
   const float azimuth = std::atan2(y, x) + static_cast<float>(M_PI);
   const int row = std::clamp(static_cast<int>(elevation * static_cast<float>(kRows / M_PI)), 0, kRows - 1);
   const int column = std::clamp(static_cast<int>(azimuth * static_cast<float>(kColumns / (2 * M_PI))), 0, kColumns - 1);
-  return static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column);
+  return bin_at(row, column);
 }
 
 float BodyMask::farthest_m() const { return *std::max_element(reach_m_.begin(), reach_m_.end()); }
@@ -49,12 +53,12 @@ BodyMask BodyMaskLearner::finish() const {
   const int rows = BodyMask::kRows, columns = BodyMask::kColumns;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const auto bin = static_cast<std::size_t>(row * columns + column);
+      const std::size_t bin = bin_at(row, column);
       if (clouds_near_[bin] < config_.least_share * num_clouds_) continue;
       const float reach = farthest_m_[bin] + static_cast<float>(config_.margin_m);
       for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows - 1); ++r) {
         for (int c = column - 1; c <= column + 1; ++c) {
-          float& masked = out.reach_m_[static_cast<std::size_t>(r * columns + (c + columns) % columns)];
+          float& masked = out.reach_m_[bin_at(r, (c + columns) % columns)];
           masked = std::max(masked, reach);
         }
       }

@@ -231,7 +231,7 @@ bool CloudFilter::has_neighbours(std::size_t point, const std::vector<Point>& po
   for (std::int64_t r = std::max<std::int64_t>(row - 1, 0); r <= std::min<std::int64_t>(row + 1, grid_rows_ - 1); ++r) {
     for (std::int64_t d = -2; d <= 2; ++d) {
       // Sweeps close on themselves: the first column is the neighbour of the last.
-      const std::int64_t c = (column + d + grid_columns_ * 2) % grid_columns_;
+      const std::int64_t c = (column + d + std::int64_t{grid_columns_} * 2) % grid_columns_;
       const std::int32_t other = grid_[static_cast<std::size_t>(r * grid_columns_ + c)];
       if (other < 0 || static_cast<std::size_t>(other) == point) continue;
       const Point& q = points[static_cast<std::size_t>(other)];

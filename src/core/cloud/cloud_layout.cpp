@@ -132,11 +132,11 @@ std::string CloudLayout::problem(std::size_t data_size) const {
   if (is_big_endian) return "big-endian clouds are not supported";
   if (point_step == 0) return "point_step is 0";
   for (const CloudField& field : fields) {
-    const std::string problem = field_problem(field, point_step);
+    std::string problem = field_problem(field, point_step);
     if (!problem.empty()) return problem;
   }
   for (const char* name : {"x", "y", "z"}) {
-    const std::string problem = coordinate_problem(*this, name);
+    std::string problem = coordinate_problem(*this, name);
     if (!problem.empty()) return problem;
   }
   return size_problem(*this, data_size);

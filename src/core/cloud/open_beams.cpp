@@ -50,7 +50,8 @@ const std::vector<Vec3f>& OpenBeams::find(const RawCloudView& cloud) {
     for (int c = 0; c < static_cast<int>(columns_); c += config_.column_step) {
       if (!is_open(r, c)) continue;
       const double azimuth = beam->azimuth_rad + step_rad * c;
-      directions_.push_back(geometry::Vec3(across * std::cos(azimuth), across * std::sin(azimuth), up).cast<float>());
+      directions_.emplace_back(
+          geometry::Vec3(across * std::cos(azimuth), across * std::sin(azimuth), up).cast<float>());
     }
   }
   return directions_;
@@ -73,7 +74,7 @@ void OpenBeams::learn(const RawCloudView& cloud) {
       for (auto& sum : row.azimuth) sum *= 0.5;
     }
     for (std::uint32_t c = phase_; c < columns_; c += kColumnStride) {
-      const Vec3f p = position(cloud.row(r) + c * cloud.point_step(), cloud.access());
+      const Vec3f p = position(cloud.row(r) + std::size_t{c} * cloud.point_step(), cloud.access());
       if (!is_return(p)) continue;
       const double azimuth = std::atan2(p.y(), p.x()), turned = kTwoPi * c / columns_;
       const double elevation = std::atan2(p.z(), std::hypot(p.x(), p.y()));

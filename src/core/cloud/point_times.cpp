@@ -131,11 +131,10 @@ bool PointTimes::Impl::consider(const TimeSpread& spread) {
   candidates_ = both.empty() ? possible : both;
   const bool has_usual = std::find(candidates_.begin(), candidates_.end(), usual_.unit) != candidates_.end();
   report_.state = TimesState::kUndecided;
-  if (candidates_.size() == 1) {
-    take(candidates_.front(), TimesState::kMeasured);
-  } else if (has_usual) {
+  const bool is_only_one = candidates_.size() == 1;
+  if (!is_only_one && has_usual) {
     take(usual_.unit, TimesState::kByName);
-  } else if (num_considered_ >= kCloudsToWait) {
+  } else if (is_only_one || num_considered_ >= kCloudsToWait) {
     take(candidates_.front(), TimesState::kMeasured);  // the largest unit, so that points fill most of the period
   }
   return report_.state != TimesState::kUndecided;

@@ -5,6 +5,7 @@
 #include <ceres/version.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "voxnav/geometry/pose.hpp"
 
@@ -25,7 +26,7 @@ inline void add_wrapped(const double* x, const double* delta, double* x_plus_del
 
 inline void set_identity4(double* row_major) {
   std::fill(row_major, row_major + 16, 0.0);
-  for (int i = 0; i < 4; ++i) row_major[5 * i] = 1.0;
+  for (std::size_t i = 0; i < 4; ++i) row_major[5 * i] = 1.0;
 }
 
 #if VOXNAV_CERES_HAS_MANIFOLD

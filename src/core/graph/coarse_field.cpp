@@ -40,9 +40,11 @@ void CoarseField::stamp(const geometry::Vec3& point, double reach_m) {
     low[k] = std::max(0, static_cast<int>(std::ceil((at - reach_m) / cell_m_)));
     high[k] = std::min(size_[k] - 1, static_cast<int>(std::floor((at + reach_m) / cell_m_)));
   }
+  const std::size_t length = static_cast<std::size_t>(size_[0]);
+  const std::size_t layer = length * static_cast<std::size_t>(size_[1]);
   for (int z = low[2]; z <= high[2]; ++z) {
     for (int y = low[1]; y <= high[1]; ++y) {
-      float* row = &distances_m_[static_cast<std::size_t>((z * size_[1] + y) * size_[0])];
+      float* row = &distances_m_[static_cast<std::size_t>(z) * layer + static_cast<std::size_t>(y) * length];
       for (int x = low[0]; x <= high[0]; ++x) {
         const geometry::Vec3 node = origin_ + cell_m_ * geometry::Vec3(x, y, z);
         row[x] = std::min(row[x], static_cast<float>((node - point).norm()));

@@ -97,6 +97,7 @@ std::vector<Vec3> peaks_of(const std::map<Index3, Column>& columns) {
     found.resize(kMaxLandmarks);
   }
   std::vector<Vec3> out;
+  out.reserve(found.size());
   for (const auto& entry : found) out.push_back(entry.second);
   return out;
 }

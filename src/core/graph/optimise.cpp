@@ -48,7 +48,7 @@ class Descent {
 
   /// Begins at the input and makes the first step towards the guess. @return costs of the input
   std::vector<KindReport> start(const Estimate& input, const Estimate& guess) {
-    const std::vector<KindReport> before = exact_costs(input);
+    std::vector<KindReport> before = exact_costs(input);
     keep(input, total(before));
     step_towards(guess);
     return before;
@@ -88,7 +88,7 @@ class Descent {
     best_cost_ = cost;
     refused_.reset();
     best_models_.clear();
-    for (const auto& [ids, pair] : state_->pairs) best_models_.push_back({pair.model, pair.factor});
+    for (const auto& [ids, pair] : state_->pairs) best_models_.emplace_back(pair.model, pair.factor);
   }
   void restore_models() {
     auto kept = best_models_.begin();

@@ -37,6 +37,7 @@ std::vector<CandidatePair> overlapping_submaps(const GraphState& state, const st
     }
   }
   std::vector<CandidatePair> out;
+  out.reserve(shared.size());
   for (const auto& [ids, count] : shared) out.push_back({ids.first, ids.second, count});
   std::sort(out.begin(), out.end(), [](const CandidatePair& l, const CandidatePair& r) {
     if (l.b != r.b) return l.b < r.b;

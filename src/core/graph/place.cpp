@@ -50,9 +50,11 @@ std::optional<LandmarkTriangle> triangle_of(const std::vector<Vec3>& p, const st
 
 std::vector<LandmarkTriangle> triangles_of(const std::vector<Vec3>& p) {
   std::set<std::array<std::uint16_t, 3>> triples;
-  for (std::uint16_t i = 0; i < p.size(); ++i) {
+  const auto count = static_cast<std::uint16_t>(p.size());  // landmarks_of() bounds it
+  for (std::uint16_t i = 0; i < count; ++i) {
     std::vector<std::uint16_t> near;
-    for (std::uint16_t j = 0; j < p.size(); ++j) {
+    near.reserve(count);
+    for (std::uint16_t j = 0; j < count; ++j) {
       if (j != i) near.push_back(j);
     }
     const std::size_t kept = std::min(kNeighbours, near.size());
@@ -107,6 +109,7 @@ std::vector<int> PlaceIndex::similar(int id, const Place& place, int limit) cons
     }
   }
   std::vector<std::pair<int, int>> order;
+  order.reserve(votes.size());
   for (const auto& [other, count] : votes) order.emplace_back(-count, other);
   std::sort(order.begin(), order.end());
   std::vector<int> out;

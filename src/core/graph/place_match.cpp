@@ -105,6 +105,7 @@ std::vector<Pose4> hypotheses(const Place& a, const Place& b) {
     }
   }
   std::vector<const Vote*> order;
+  order.reserve(votes.size());
   for (const auto& entry : votes) order.push_back(&entry.second);
   std::stable_sort(order.begin(), order.end(), [](const Vote* l, const Vote* r) { return l->count > r->count; });
   std::vector<Pose4> out;

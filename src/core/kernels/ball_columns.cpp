@@ -40,7 +40,7 @@ VOXNAV_INLINE void add_eight(Floats squared_dx, float z, float rest, std::uint32
 /// to wait for both.
 template <bool kIsWide>
 VOXNAV_INLINE void add_ball(const BallCenter& center, float squared_reach, std::uint32_t* columns) {
-  constexpr int kMostEights = 3;
+  constexpr int kMostEights = 3, kSecond = kLanes, kThird = 2 * kLanes;
   const float reach = std::sqrt(squared_reach);
   const int first = static_cast<int>(center.x - reach) & ~(kLanes - 1);
   const int last = static_cast<int>(center.x + reach);
@@ -50,14 +50,14 @@ VOXNAV_INLINE void add_ball(const BallCenter& center, float squared_reach, std::
     squared_dx[i] = dx * dx;
   }
   const int first_row = static_cast<int>(center.y - reach), last_row = static_cast<int>(center.y + reach);
-  std::uint32_t* to = columns + first + first_row * kSide;
+  std::uint32_t* to = columns + (first + first_row * kSide);
   for (int row = first_row; row <= last_row; ++row, to += kSide) {
     const float dy = static_cast<float>(row) - center.y;
     const float rest = squared_reach - dy * dy;
     if (rest <= 0.f) continue;
     add_eight<kIsWide>(squared_dx[0], center.z, rest, to);
-    if (last >= first + kLanes) add_eight<kIsWide>(squared_dx[1], center.z, rest, to + kLanes);
-    if (last >= first + 2 * kLanes) add_eight<kIsWide>(squared_dx[2], center.z, rest, to + 2 * kLanes);
+    if (last >= first + kSecond) add_eight<kIsWide>(squared_dx[1], center.z, rest, to + kSecond);
+    if (last >= first + kThird) add_eight<kIsWide>(squared_dx[2], center.z, rest, to + kThird);
   }
 }
 

@@ -16,10 +16,6 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr float kMostCode = 32767.f;
 constexpr std::uint32_t kTable = ((1u << kTableSide) - 1) << (kWindowHalo - 1);  // of a row of the window
 
-std::size_t at(int x, int y, int z) {
-  return static_cast<std::size_t>((x + 1) + kTableSide * ((y + 1) + kTableSide * (z + 1)));
-}
-
 /// Returns the first and the last voxel centre of the table within `reach` of c.
 struct Range {
   int first, last;
@@ -34,9 +30,10 @@ VOXNAV_INLINE Range around(float c, float reach) {
 using FreeRows = std::array<std::uint32_t, kTableSide>;
 FreeRows rows_with_free(const VoxelWindow& window) {
   FreeRows out{};
-  for (int z = -1; z <= kWindowBlockSide; ++z) {
+  std::uint32_t* layer = out.data();
+  for (int z = -1; z <= kWindowBlockSide; ++z, ++layer) {
     for (int y = -1; y <= kWindowBlockSide; ++y) {
-      if ((window.free(y, z) & kTable) != 0) out[static_cast<std::size_t>(z + 1)] |= 1u << (y + 1);
+      if ((window.free(y, z) & kTable) != 0) *layer |= 1u << (y + 1);
     }
   }
   return out;
@@ -60,16 +57,17 @@ VOXNAV_INLINE void splat(const VoxelWindow& window, const FreeRows& free, const 
   const Range ys = around(point[1], band), zs = around(point[2], band);
   if (ys.first > ys.last) return;
   const std::uint32_t in_reach = (2u << (ys.last + 1)) - (1u << (ys.first + 1));
-  for (int z = zs.first; z <= zs.last; ++z) {
+  const std::uint32_t* layer = free.data() + (zs.first + 1);
+  for (int z = zs.first; z <= zs.last; ++z, ++layer) {
     const float dz = static_cast<float>(z) - point[2];
-    for (std::uint32_t rows = free[static_cast<std::size_t>(z + 1)] & in_reach; rows != 0; rows &= rows - 1) {
+    for (std::uint32_t rows = *layer & in_reach; rows != 0; rows &= rows - 1) {
       const int y = __builtin_ctz(rows) - 1;
       const float dy = static_cast<float>(y) - point[1];
       const float base = dy * dy + dz * dz;
       if (base > band2 || ((window.free(y, z) >> (first + kWindowHalo)) & kRow) == 0) continue;
-      float* row = &(*squared)[at(first, y, z)];
-      for (int i = 0; i < kVectors; ++i) {
-        store(smaller(base + along_x[i], loaded<Floats>(row + i * kLanes)), row + i * kLanes);
+      float* row = &(*squared)[table_at(first, y, z)];
+      for (int i = 0; i < kVectors; ++i, row += kLanes) {
+        store(smaller(base + along_x[i], loaded<Floats>(row)), row);
       }
     }
   }
@@ -105,9 +103,9 @@ VOXNAV_INLINE void take_free(const VoxelWindow& window, float band, float scale,
       if ((free & kTable) == 0) continue;
       for (const int x : {-1, kLanes - 1, kWindowBlockSide + 1 - kLanes}) {  // the last two overlap
         const Words bits = Words{} + (free >> (x + kWindowHalo));
-        const Floats distance_sq = loaded<Floats>(&squared[at(x, y, z)]);
+        const Floats distance_sq = loaded<Floats>(&squared[table_at(x, y, z)]);
         const Ints is_near = ((bits & Words{1, 2, 4, 8, 16, 32, 64, 128}) != 0) & (distance_sq <= band * band);
-        store_codes(exact_root(distance_sq), is_near, scale, codes + at(x, y, z));
+        store_codes(exact_root(distance_sq), is_near, scale, codes + table_at(x, y, z));
       }
     }
   }
@@ -137,7 +135,7 @@ void reference::measure_free(const VoxelWindow& window, float band, float scale,
   for (int z = -1; z <= kWindowBlockSide; ++z) {
     for (int y = -1; y <= kWindowBlockSide; ++y) {
       for (int x = -1; x <= kWindowBlockSide; ++x) {
-        codes[at(x, y, z)] = kNoDistance;
+        codes[table_at(x, y, z)] = kNoDistance;
         if (((window.free(y, z) >> (x + kWindowHalo)) & 1u) == 0) continue;
         float nearest_sq = kFar;
         for (std::size_t i = 0; i < window.num_points; ++i) {
@@ -147,7 +145,8 @@ void reference::measure_free(const VoxelWindow& window, float band, float scale,
           nearest_sq = std::min(nearest_sq, (dy * dy + dz * dz) + dx * dx);
         }
         if (!(nearest_sq <= band * band)) continue;
-        codes[at(x, y, z)] = static_cast<std::int16_t>(std::min(std::sqrt(nearest_sq) / scale, kMostCode) + 0.5f);
+        const float code = std::min(std::sqrt(nearest_sq) / scale, kMostCode) + 0.5f;
+        codes[table_at(x, y, z)] = static_cast<std::int16_t>(code);
       }
     }
   }

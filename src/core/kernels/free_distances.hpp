@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "kernels/voxel_window.hpp"
@@ -13,6 +14,11 @@ namespace voxnav::kernels {
 constexpr int kTableSide = kWindowBlockSide + 2;
 constexpr int kTableVoxels = kTableSide * kTableSide * kTableSide;
 constexpr std::int16_t kNoDistance = -32768;
+
+inline std::size_t table_at(int x, int y, int z) {
+  const int number = (x + 1) + kTableSide * ((y + 1) + kTableSide * (z + 1));
+  return static_cast<std::size_t>(number);
+}
 
 /// Squared distances while they are computed.
 using SquaredDistances = std::array<float, kTableVoxels>;

@@ -13,14 +13,14 @@ VOXNAV_INLINE void add(const Subtracted& done, std::uint64_t mask, SubtractedBlo
 
 SubtractedBlock subtract_plain(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by) {
   SubtractedBlock out;
-  for (int word = 0; word < kBlockWords; ++word) {
+  for (std::size_t word = 0; word < kBlockWords; ++word) {
     if (masks[word] != 0) add(subtract_where(cells + 64 * word, masks[word], by), masks[word], &out);
   }
   return out;
 }
 VOXNAV_WIDE SubtractedBlock subtract_wide(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by) {
   SubtractedBlock out;
-  for (int word = 0; word < kBlockWords; ++word) {
+  for (std::size_t word = 0; word < kBlockWords; ++word) {
     if (masks[word] != 0) add(subtract_where_wide(cells + 64 * word, masks[word], by), masks[word], &out);
   }
   return out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "kernels/bits.hpp"
@@ -60,7 +61,7 @@ inline std::uint64_t bits_at_least(const std::uint8_t* cells, int limit) {
 /// Calls subtract_where() for each of the 64 words of a block.
 inline SubtractedBlock subtract_in_block(std::uint8_t* cells, const std::uint64_t* masks, const Subtraction& by) {
   SubtractedBlock out;
-  for (int word = 0; word < kBlockWords; ++word) {
+  for (std::size_t word = 0; word < kBlockWords; ++word) {
     const Subtracted done = subtract_where(cells + 64 * word, masks[word], by);
     out.any_changed = out.any_changed || done.any_changed;
     out.crossed_free += done.crossed_free;

@@ -21,8 +21,8 @@ RowSums make_sums() {
     for (int bits = 0; bits < 8; ++bits) {
       Eigen::Vector4f sum = Eigen::Vector4f::Zero();
       for (int k = 0; k < 3; ++k) {
-        const geometry::Vec3f step(static_cast<float>(k - 1), static_cast<float>(row % 3 - 1),
-                                   static_cast<float>(row / 3 - 1));
+        const int y = row % 3 - 1, z = row / 3 - 1;
+        const geometry::Vec3f step(static_cast<float>(k - 1), static_cast<float>(y), static_cast<float>(z));
         if (((bits >> k) & 1) && !step.isZero()) sum += step.normalized().homogeneous();
       }
       out[static_cast<std::size_t>(row)][static_cast<std::size_t>(bits)] = {sum[0], sum[1], sum[2], sum[3]};

@@ -24,7 +24,8 @@ VOXNAV_INLINE void reduce(const std::uint8_t* in, std::uint8_t* out, Combine com
   constexpr int kHalf = Side / 2;
   for (int z = 0; z < kHalf; ++z) {
     for (int y = 0; y < kHalf; ++y) {
-      const std::uint8_t* row = in + (2 * z * Side + 2 * y) * Side;
+      const int first = (2 * z * Side + 2 * y) * Side;
+      const std::uint8_t* row = in + first;
       std::uint8_t merged[Side];
       for (int x = 0; x < Side; ++x) {
         merged[x] = combine(combine(row[x], row[x + Side]), combine(row[x + Side * Side], row[x + Side * Side + Side]));

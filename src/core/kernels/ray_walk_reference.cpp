@@ -30,7 +30,8 @@ ShortAxis short_axis(float from, float to, float from_a, float length_a, std::in
   const float first = is_up ? static_cast<float>(cell + 1) - from : from - static_cast<float>(cell);
   const auto next = static_cast<std::int32_t>(std::min(from_a + first * per_cell, most) * one);
   const bool stays = static_cast<std::int32_t>(to) == cell;
-  return {stays ? kNever : next, static_cast<std::int32_t>(per_cell * one + 0.5f), is_up ? step : -step};
+  const float rounded = per_cell * one + 0.5f;
+  return {stays ? kNever : next, static_cast<std::int32_t>(rounded), is_up ? step : -step};
 }
 
 void mark_run(const Canvas& canvas, std::int32_t line, std::int32_t first, std::int32_t last) {

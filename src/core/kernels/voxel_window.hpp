@@ -27,7 +27,8 @@ struct VoxelWindow {
   std::size_t num_points;
 
   static std::size_t row(int y, int z) {
-    return static_cast<std::size_t>(y + kWindowHalo + kWindowSide * (z + kWindowHalo));
+    const int row = y + kWindowHalo + kWindowSide * (z + kWindowHalo);
+    return static_cast<std::size_t>(row);
   }
   std::uint32_t free(int y, int z) const { return free_rows[row(y, z)]; }
   std::uint32_t occupied(int y, int z) const { return occupied_rows[row(y, z)]; }

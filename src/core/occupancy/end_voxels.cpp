@@ -102,7 +102,7 @@ void EndVoxels::finish_block(const Block& block) {
       const geometry::Index3 voxel = geometry::voxel_at(at, offset);
       const geometry::Vec3f corner(static_cast<float>(voxel.x), static_cast<float>(voxel.y),
                                    static_cast<float>(voxel.z));
-      rays_.push_back(corner + geometry::Vec3f::Constant(0.5f) + hits_.back().points.mean);
+      rays_.emplace_back(corner + geometry::Vec3f::Constant(0.5f) + hits_.back().points.mean);
     });
   }
 }

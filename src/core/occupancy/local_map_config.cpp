@@ -11,7 +11,7 @@ namespace {
 
 /// The worst case of memory: block_update.cpp bounds hit statistics to a quarter of a block's voxels.
 constexpr double kBytesPerBlock =
-    sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4 * sizeof(SurfaceLeaf);
+    sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4.0 * sizeof(SurfaceLeaf);
 
 /// Ray casting needs three bits per voxel (ray_marks.hpp), and a quarter more for spare lines and for the words at the
 /// edges of the images of the faces.
@@ -40,11 +40,11 @@ double LocalMapConfig::worst_case_bytes() const {
 
 std::vector<std::string> LocalMapConfig::problems() const {
   std::vector<std::string> out;
-  if (!(free_threshold < occupied_threshold)) out.push_back("free_threshold must be below occupied_threshold");
+  if (!(free_threshold < occupied_threshold)) out.emplace_back("free_threshold must be below occupied_threshold");
   if (!(prob_clamp_min < free_threshold))
-    out.push_back("prob_clamp_min must be below free_threshold, or nothing is ever free");
+    out.emplace_back("prob_clamp_min must be below free_threshold, or nothing is ever free");
   if (!(prob_clamp_max > occupied_threshold)) {
-    out.push_back("prob_clamp_max must be above occupied_threshold, or nothing is ever occupied");
+    out.emplace_back("prob_clamp_max must be above occupied_threshold, or nothing is ever occupied");
   }
   const double needed_mb = worst_case_bytes() / 1e6;
   if (needed_mb > max_memory_mb) {
@@ -52,7 +52,7 @@ std::vector<std::string> LocalMapConfig::problems() const {
     std::snprintf(text, sizeof(text),
                   "resolution_m = %g with window_size_m = %g x %g x %g can need %.0f MB, max_memory_mb allows %.0f",
                   resolution_m, window_size_m[0], window_size_m[1], window_size_m[2], needed_mb, max_memory_mb);
-    out.push_back(text);
+    out.emplace_back(text);
   }
   return out;
 }

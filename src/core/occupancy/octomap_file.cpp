@@ -104,8 +104,7 @@ OctomapFile read_octomap(const std::string& path) {
     if (!out.tree->readBinary(path)) out.tree.reset();
   } else {
     std::unique_ptr<octomap::AbstractOcTree> any(octomap::AbstractOcTree::read(path));
-    out.tree.reset(dynamic_cast<octomap::OcTree*>(any.get()));
-    if (out.tree) any.release();
+    if (dynamic_cast<octomap::OcTree*>(any.get())) out.tree.reset(static_cast<octomap::OcTree*>(any.release()));
   }
   if (!out.tree) throw std::runtime_error("cannot read an OcTree from " + path);
   out.shift = shift_in_header(path);

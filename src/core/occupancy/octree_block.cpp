@@ -11,8 +11,6 @@ namespace voxnav::occupancy {
 
 using containers::VoxelState;
 
-constexpr std::array<int, OctreeBlock::kLevels + 1> OctreeBlock::kFirst;
-
 void OctreeBlock::leaf_flags(const StateLevels& levels, Flags* flags) const {
   const kernels::LevelFlags by{levels.free_end(), levels.occupied_begin(), kContainsFree, kContainsUnknown,
                                kContainsOccupied};

@@ -138,7 +138,8 @@ void RayMarks::find_crossed(int which) {
       kernels::unite_rows(first, all.size(), face.step_c, all.data());
       for (std::int32_t block_a = a.low; block_a < a.high; ++block_a) {
         std::uint32_t any = 0;
-        const auto word = static_cast<std::size_t>(block_a * kSide / kWord - first_word);
+        const std::int32_t column = block_a * kSide / kWord - first_word;
+        const auto word = static_cast<std::size_t>(column);
         for (std::size_t line = 0; line < kSide; ++line) any |= all[line * words + word];
         if (((any >> (block_a * kSide % kWord)) & 0xFFFFu) == 0) continue;
         const auto along = [&](int axis, std::int32_t block) {
@@ -179,7 +180,8 @@ void RayMarks::add_to(std::uint32_t block, VoxelBits* bits) const {
       for (int i = 0; i < kSide; ++i) {
         const int y = axes.a == 2 ? c : i, z = axes.a == 2 ? i : c;
         const std::uint16_t row = axes.a == 0 ? rows.row[i] : turned[i];
-        (*bits)[static_cast<std::size_t>(4 * z + y / 4)] |= std::uint64_t{row} << (16 * (y & 3));
+        const int word = 4 * z + y / 4;
+        (*bits)[static_cast<std::size_t>(word)] |= std::uint64_t{row} << (16 * (y & 3));
       }
     }
   }

@@ -51,10 +51,10 @@ class RayMarks {
     std::vector<std::uint8_t> crossed;  ///< for each block of the box whether a ray crosses it; empty = none is crossed
   };
   void sort(const std::vector<geometry::Vec3f>& ends);
-  void find_reach(int face);
-  void clear(int face);
-  void find_crossed(int face);
-  const std::uint8_t* line_of(int face, int a, int b, int c) const;
+  void find_reach(int which);
+  void clear(int which);
+  void find_crossed(int which);
+  const std::uint8_t* line_of(int which, int a, int b, int c) const;
 
   const ScanBox* box_ = nullptr;
   geometry::Vec3f origin_;  ///< origin of the rays, in voxel edges from the corner of the box

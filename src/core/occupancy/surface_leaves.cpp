@@ -26,7 +26,8 @@ void SurfaceLeaf::add_scan(const PointSpread& hits, int number) {
   const float share = 1.0f / static_cast<float>(std::min<int>(scans, kMemory));
   const float recent_share = 1.0f / static_cast<float>(recent_scans);
   const float later = static_cast<float>(kTimeUnits * number) - static_cast<float>(recent_time);
-  recent_time = static_cast<std::uint16_t>(static_cast<float>(recent_time) + recent_share * later + 0.5f);
+  const float time = static_cast<float>(recent_time) + recent_share * later + 0.5f;  // rounded by the conversion
+  recent_time = static_cast<std::uint16_t>(time);
   const auto hit = [&](int axis) { return std::min(std::max(hits.mean[axis], -0.5f), 0.5f); };
   kernels::blend_moments({{hit(0), hit(1), hit(2)}, hits.covariance, share, recent_share},
                          {covariance.data(), mean.data()});
@@ -54,7 +55,8 @@ OccupiedVoxel SurfaceLeaf::quantised(int offset_in_block, int num_scans) const {
   voxel.observed.hits = static_cast<std::uint8_t>(std::min<int>(recent_scans, 255));
   if (recent_scans > 0 && num_scans > 0) {
     const float share = (static_cast<float>(recent_time) / kTimeUnits - 0.5f) / static_cast<float>(num_scans);
-    voxel.observed_time = static_cast<std::uint8_t>(std::clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f);
+    const float time = std::clamp(share, 0.0f, 1.0f) * 255.0f + 0.5f;  // rounded by the conversion
+    voxel.observed_time = static_cast<std::uint8_t>(time);
   }
   return voxel;
 }

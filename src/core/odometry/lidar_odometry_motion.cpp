@@ -90,7 +90,8 @@ void LidarOdometry::Impl::prepare_points(const Sweep& sweep, const std::vector<V
     if (!std::isfinite(range_sq) || !has_time) {
       ++counters_.points_refused;
     } else if (range_sq >= min_sq && range_sq <= max_sq) {
-      deskewed_.push_back(poses[static_cast<std::size_t>(t * to_bin + 0.5F)] * points_L[i]);
+      const float bin = t * to_bin + 0.5F;  // rounded by the conversion
+      deskewed_.push_back(poses[static_cast<std::size_t>(bin)] * points_L[i]);
     }
   }
   downsampler_.run(deskewed_, spacing_m(config_), &fine_);

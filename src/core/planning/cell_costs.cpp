@@ -104,14 +104,17 @@ bool CellCosts::distances(const geometry::Index3& block, Select select, Distance
     }
   }
   if (!is_any) return false;
-  pass_b_.resize(static_cast<std::size_t>(side) * side * kSide);
-  for (int row = 0; row < side * side; ++row) min_plus(&pass_a_[row * side], 1, weights_, &pass_b_[row * kSide]);
-  for (int z = 0; z < side; ++z) {
-    for (int y = 0; y < kSide; ++y) {
-      min_plus(&pass_b_[(z * side + y) * kSide], kSide, weights_, &pass_a_[(z * kSide + y) * kSide]);
+  const auto length = static_cast<std::size_t>(side);
+  pass_b_.resize(length * length * kSide);
+  for (std::size_t row = 0; row < length * length; ++row) {
+    min_plus(&pass_a_[row * length], 1, weights_, &pass_b_[row * kSide]);
+  }
+  for (std::size_t z = 0; z < length; ++z) {
+    for (std::size_t y = 0; y < kSide; ++y) {
+      min_plus(&pass_b_[(z * length + y) * kSide], kSide, weights_, &pass_a_[(z * kSide + y) * kSide]);
     }
   }
-  for (int row = 0; row < kSide * kSide; ++row) {
+  for (std::size_t row = 0; row < kSide * kSide; ++row) {
     min_plus(&pass_a_[row * kSide], kSide * kSide, weights_, &(*out)[row * kSide]);
   }
   return true;

@@ -85,7 +85,7 @@ std::vector<Vec3> cut_at_length(const std::vector<Vec3>& points, double length_m
     if (!out.empty()) {
       const double piece = (point - out.back()).norm();
       if (piece >= left) {
-        if (piece > kTiny) out.push_back(out.back() + (point - out.back()) * (left / piece));
+        if (piece > kTiny) out.emplace_back(out.back() + (point - out.back()) * (left / piece));
         return out;
       }
       left -= piece;

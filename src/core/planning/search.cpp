@@ -12,7 +12,7 @@ constexpr std::uint64_t kStraight = std::uint64_t{1} << 24;
 const std::array<std::uint64_t, 4> kStepLength = {0, kStraight,
                                                   static_cast<std::uint64_t>(std::llround(std::sqrt(2.0) * kStraight)),
                                                   static_cast<std::uint64_t>(std::llround(std::sqrt(3.0) * kStraight))};
-constexpr std::uint64_t kHeuristicUnit = 2 * kUnitCost;
+constexpr std::uint64_t kHeuristicUnit = std::uint64_t{2} * kUnitCost;
 
 struct Entry {
   std::uint64_t f;

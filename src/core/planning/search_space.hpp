@@ -54,7 +54,7 @@ class SearchSpace {
   static constexpr std::int64_t kUnresolved = -1;
   static constexpr std::int64_t kRefused = -2;
 
-  std::int64_t number_of(const geometry::Index3& block);
+  std::int64_t number_of(const geometry::Index3& index);
 
   CellCosts* costs_;
   std::uint64_t max_bytes_;

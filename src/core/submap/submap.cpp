@@ -118,7 +118,7 @@ std::vector<geometry::Vec3f> Submap::occupied_points() const {
   std::vector<geometry::Vec3f> out;
   out.reserve(held->points().size());
   held->for_each_voxel([&](const Index3& index, const occupancy::OccupiedVoxel& voxel) {
-    out.push_back((T_S_G_ * (surface_point(index, voxel.believed) * resolution_m_)).cast<float>());
+    out.emplace_back((T_S_G_ * (surface_point(index, voxel.believed) * resolution_m_)).cast<float>());
   });
   return out;
 }

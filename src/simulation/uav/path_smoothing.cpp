@@ -28,13 +28,13 @@ std::vector<Vec3> moving_average(const std::vector<Vec3>& in, int half) {
   const std::size_t width = 2 * static_cast<std::size_t>(half) + 1;
   if (in.size() < width) return {};
   // Sums are relative to the first sample, so that large coordinates cost no precision.
-  const Vec3 origin = in.front();
+  const Vec3& origin = in.front();
   std::vector<Vec3> sums(in.size() + 1, Vec3::Zero());
   for (std::size_t i = 0; i < in.size(); ++i) sums[i + 1] = sums[i] + (in[i] - origin);
   std::vector<Vec3> out;
   out.reserve(in.size() - width + 1);
   for (std::size_t i = 0; i + width <= in.size(); ++i) {
-    out.push_back(origin + (sums[i + width] - sums[i]) / static_cast<double>(width));
+    out.emplace_back(origin + (sums[i + width] - sums[i]) / static_cast<double>(width));
   }
   return out;
 }
@@ -43,7 +43,7 @@ namespace {
 
 std::vector<Vec3> differences(const std::vector<Vec3>& in) {
   std::vector<Vec3> out;
-  for (std::size_t i = 0; i + 1 < in.size(); ++i) out.push_back((in[i + 1] - in[i]) / kFineStep_s);
+  for (std::size_t i = 0; i + 1 < in.size(); ++i) out.emplace_back((in[i + 1] - in[i]) / kFineStep_s);
   return out;
 }
 

@@ -26,7 +26,7 @@ std::vector<Vec3> Generator::vertices(double braking_ratio, std::vector<std::siz
     const Vec3 direction = velocity_ / speed;
     const double braking = kBrakingShare * std::min(limits_.horizontal.acceleration, limits_.vertical_acceleration());
     const double length = braking_ratio * speed * speed / (2 * braking);
-    if (length > kMinSegment_m) out.push_back(out.back() + direction * length);
+    if (length > kMinSegment_m) out.emplace_back(out.back() + direction * length);
   }
   const Polyline begin({start_ - Vec3(1e-6, 0, 0), out.back()});
   bool has_left = false;

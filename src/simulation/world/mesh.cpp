@@ -27,7 +27,7 @@ std::uint32_t append_ring(WorldMesh* mesh, const Vec3& center, const Vec3& axis,
 }  // namespace
 
 std::uint32_t WorldMesh::add_vertex(const Vec3& p) {
-  vertices.push_back(p.cast<float>());
+  vertices.emplace_back(p.cast<float>());
   return static_cast<std::uint32_t>(vertices.size() - 1);
 }
 

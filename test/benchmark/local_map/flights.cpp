@@ -54,7 +54,7 @@ FlightScan scan_of(const LidarScan& noisy, const LidarScan& exact, const Pose& T
     const auto& p = noisy.points[i];
     out.points.insert(out.points.end(), p.begin(), p.begin() + 3);
     const auto& q = exact.points[i];
-    out.true_points_W.push_back((T_W_L * Vec3(q[0], q[1], q[2])).cast<float>());
+    out.true_points_W.emplace_back((T_W_L * Vec3(q[0], q[1], q[2])).cast<float>());
     out.classes.push_back(noisy.labels[i]);
   }
   return out;

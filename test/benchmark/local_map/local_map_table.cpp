@@ -4,6 +4,7 @@
 //   benchmark_local_map_table [--seeds=1,2,3] [--scans=60,24,8] [--without-octomap] [--points=DIR]
 // With --points it also writes the points of the maps of 0.4 m of the last seed, for scripts/dev/plot_local_map.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -70,7 +71,8 @@ double mean(const std::vector<double>& v) {
 
 double share(std::vector<double> v, double quantile) {
   std::sort(v.begin(), v.end());
-  return v.empty() ? 0.0 : v[static_cast<std::size_t>(quantile * static_cast<double>(v.size() - 1) + 0.5)];
+  if (v.empty()) return 0.0;
+  return v[static_cast<std::size_t>(std::lround(quantile * static_cast<double>(v.size() - 1)))];
 }
 
 /// Inserts all scans into one map after the other. If they took turns, the time to free memory of OctoMap would count

@@ -48,15 +48,9 @@ class SurfaceCells {
     int last_scan = -1;
     std::uint8_t surface_class = 0;
   };
-  struct Hash {
-    std::size_t operator()(const geometry::Index3& i) const {
-      return static_cast<std::size_t>(i.x * 73856093) ^ static_cast<std::size_t>(i.y * 19349663) ^
-             static_cast<std::size_t>(i.z * 83492791);
-    }
-  };
   double resolution_m_;
   int num_scans_ = 0;
-  std::unordered_map<geometry::Index3, Cell, Hash> cells_;
+  std::unordered_map<geometry::Index3, Cell, geometry::Index3Hash> cells_;
 };
 
 /// Returns the share of voxel centres (rows of x, y, z) with no surface within one voxel.

@@ -30,7 +30,8 @@ RawCloud scan(const std::function<double(int, int)>& range, double turn = -1.0) 
   for (int r = 0; r < kRows; ++r) {
     for (int c = 0; c < kColumns; ++c) {
       const Vec3f p = beam(r, c, turn) * static_cast<float>(range(r, c));
-      out.set_xyz(static_cast<std::size_t>(r * kColumns + c), p.x(), p.y(), p.z());
+      const int point = r * kColumns + c;
+      out.set_xyz(static_cast<std::size_t>(point), p.x(), p.y(), p.z());
     }
   }
   return out;

@@ -130,8 +130,8 @@ TEST(SubmapGraph, WrongLoopFirstDoesNotLockOutTheTrueOne) {
   add_loop(&graph, 1, kLast, compose(relative(kTruth[1], kTruth.back()), {1.2, 0.8, 0, 0}));
   graph.optimize();
   for (const int shift : {0, 1, 2}) {
-    const auto b = static_cast<std::size_t>(kLast - shift);
-    add_loop(&graph, shift, kLast - shift, relative(kTruth[static_cast<std::size_t>(shift)], kTruth[b]));
+    const int b = kLast - shift;
+    add_loop(&graph, shift, b, relative(kTruth[static_cast<std::size_t>(shift)], kTruth[static_cast<std::size_t>(b)]));
   }
   const OptimizeReport report = graph.optimize();
   ASSERT_EQ(report.rejected_loops.size(), 1u);

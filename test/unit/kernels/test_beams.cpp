@@ -27,7 +27,7 @@ std::vector<Vec3f> random_ends(unsigned seed, std::size_t n) {
   std::uniform_real_distribution<float> range(0.1f, 35.0f);
   std::vector<Vec3f> out;
   while (out.size() < n) {
-    out.push_back(Vec3f(direction(rng), direction(rng), direction(rng)).normalized() * range(rng));
+    out.emplace_back(Vec3f(direction(rng), direction(rng), direction(rng)).normalized() * range(rng));
   }
   return out;
 }

@@ -24,7 +24,7 @@ std::vector<Vec3f> random_ends(unsigned seed, std::size_t n) {
   std::vector<Vec3f> out;
   while (out.size() < n) {
     const Vec3f way(direction(rng), direction(rng), direction(rng));
-    out.push_back(way.normalized() * range(rng));
+    out.emplace_back(way.normalized() * range(rng));
   }
   return out;
 }

@@ -110,7 +110,7 @@ TEST(RayMarks, ManyRaysMarkTheUnionOfTheirVoxels) {
     while (ends.size() < 37) {  // not a multiple of the number of rays that are walked at once
       const Vec3 end = random_point(&rng);
       if (end.x() >= 17.0 && end.z() >= 17.0 && end.z() < 16.0 * (kWindow[2] - 1) - 1.0)
-        ends.push_back(end.cast<float>());
+        ends.emplace_back(end.cast<float>());
     }
     RayMarks all, one;
     cast(&all, box, ends, origin);

@@ -39,7 +39,7 @@ TEST(Scene, RaysAgreeWithBruteForceInPacketsOfAnySize) {
   for (std::size_t size = 1; size <= 40; ++size) {
     const Vec3 origin(rng.uniform(-10, 10), rng.uniform(-10, 10), rng.uniform(1, 6));
     std::vector<Vec3f> directions;
-    for (std::size_t i = 0; i < size; ++i) directions.push_back(random_vector(&rng, 1.0).normalized().cast<float>());
+    for (std::size_t i = 0; i < size; ++i) directions.emplace_back(random_vector(&rng, 1.0).normalized().cast<float>());
     std::vector<Hit> hits(size);
     scene.cast(origin.cast<float>(), directions.data(), size, 100.0F, hits.data());
     for (std::size_t i = 0; i < size; ++i) {

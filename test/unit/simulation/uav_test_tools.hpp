@@ -16,7 +16,7 @@ using voxnav_simulation::Vec3;
 
 inline std::vector<Vec3> differences(const std::vector<Vec3>& in, double dt_s) {
   std::vector<Vec3> out;
-  for (std::size_t i = 0; i + 1 < in.size(); ++i) out.push_back((in[i + 1] - in[i]) / dt_s);
+  for (std::size_t i = 0; i + 1 < in.size(); ++i) out.emplace_back((in[i + 1] - in[i]) / dt_s);
   return out;
 }
 

@@ -66,7 +66,7 @@ SubmapCollection map_of(const Bend& bend) {
 std::vector<Vec3> points_of(SubmapCollection* map) {
   std::vector<Vec3> out;
   for (const auto& p : map->occupied_points()) {
-    if (p.x() < 250.f) out.push_back(p.cast<double>());
+    if (p.x() < 250.f) out.emplace_back(p.cast<double>());
   }
   return out;
 }

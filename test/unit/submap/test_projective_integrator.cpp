@@ -34,7 +34,7 @@ std::vector<Vec3f> scan(const Pose& T_S_L, const test::Sdf& sdf) {
         distance = sdf(T_S_L.translation() + range * u);
         range += distance;
       }
-      if (distance < 1e-3) points.push_back((u_L * range).cast<float>());
+      if (distance < 1e-3) points.emplace_back((u_L * range).cast<float>());
     }
   }
   return points;

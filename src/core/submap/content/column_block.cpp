@@ -15,7 +15,7 @@ void transpose(Square* square) {
   for (int j = 8; j != 0; j >>= 1, mask = static_cast<std::uint16_t>(mask ^ (mask << j))) {
     for (int k = 0; k < kBlockSide; k = (k + j + 1) & ~j) {
       const auto low = static_cast<std::size_t>(k);
-      const auto high = static_cast<std::size_t>(k + j);
+      const std::size_t high = low + static_cast<std::size_t>(j);
       const auto swap = static_cast<std::uint16_t>((((*square)[low] >> j) ^ (*square)[high]) & mask);
       (*square)[high] ^= swap;
       (*square)[low] = static_cast<std::uint16_t>((*square)[low] ^ (swap << j));
@@ -42,7 +42,7 @@ std::uint16_t gather(std::uint32_t bits) {
 /// Converts the columns with the same y to rows along x, one for each z.
 Square rows_at(const Columns& columns, int y) {
   Square square;
-  std::copy_n(columns.begin() + y * kBlockSide, kBlockSide, square.begin());
+  std::copy_n(&columns[column_at(0, y)], kBlockSide, square.begin());
   transpose(&square);
   return square;
 }
@@ -81,8 +81,8 @@ ColumnBlock to_columns(const containers::StateBlock& states) {
     }
     transpose(&free);
     transpose(&occupied);
-    std::copy(free.begin(), free.end(), out.free.begin() + y * kBlockSide);
-    std::copy(occupied.begin(), occupied.end(), out.occupied.begin() + y * kBlockSide);
+    std::copy(free.begin(), free.end(), &out.free[column_at(0, y)]);
+    std::copy(occupied.begin(), occupied.end(), &out.occupied[column_at(0, y)]);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,7 @@ class ContentWindow {
  public:
   static constexpr int kHalo = 8;
   static constexpr int kSide = geometry::kBlockSide + 2 * kHalo;
+  static constexpr std::size_t kRows = std::size_t{kSide} * kSide;
 
   /// Unpacks a block and its surroundings.
   /// @param halo  voxels that are needed around the block, at most kHalo; as whole cells are unpacked, there may be
@@ -49,6 +51,7 @@ class ContentWindow {
   }
 
  private:
+  static std::size_t at(int y, int z) { return kernels::VoxelWindow::row(y, z); }
   /// A cell with occupied voxels: the coordinates of its first voxel, and the number of its first surface point.
   struct OccupiedCell {
     int x, y, z;
@@ -56,17 +59,16 @@ class ContentWindow {
     std::size_t first_number;
   };
 
-  static std::size_t at(int y, int z) { return static_cast<std::size_t>(y + kHalo + kSide * (z + kHalo)); }
   void add_block(const BlockStates& states, std::size_t position, const geometry::Index3& first, int halo);
   void count_rows();
   void take_points(const OccupiedCell& cell);
 
-  using Rows = std::array<std::uint32_t, kSide * kSide>;
+  using Rows = std::array<std::uint32_t, kRows>;
   const VoxelPoints* content_points_ = nullptr;
   Rows free_;
   Rows occupied_;
-  std::array<std::uint16_t, kSide * kSide> first_of_row_;
-  std::array<std::uint16_t, kSide * kSide> next_of_row_;  ///< next free entry of each row, while points are taken
+  std::array<std::uint16_t, kRows> first_of_row_;
+  std::array<std::uint16_t, kRows> next_of_row_;  ///< next free entry of each row, while points are taken
   std::vector<OccupiedCell> cells_;
   std::vector<geometry::Index3> voxels_;
   std::vector<std::uint32_t> numbers_;

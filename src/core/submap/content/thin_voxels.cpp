@@ -7,7 +7,6 @@ namespace voxnav::submap {
 namespace {
 
 using geometry::Index3;
-using geometry::kBlockSide;
 
 /// Highest number of occupied voxels among the 26 neighbours of a thin one. A voxel of a line has two, up to four where
 /// the line changes its row; a voxel of a plane has eight, at its edge five, at its corner three.

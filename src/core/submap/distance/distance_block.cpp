@@ -6,9 +6,10 @@
 namespace voxnav::submap {
 
 bool DistanceBlock::corners(int x, int y, int z, std::array<float, 8>* values) const {
-  const std::int16_t* low = &codes_[at(x, y, z)];
+  constexpr std::size_t kRow = kSide, kLayer = kRow * kRow;
+  const std::int16_t* low = &codes_[kernels::table_at(x, y, z)];
   for (std::size_t i = 0; i < 8; ++i) {
-    const std::int16_t code = low[(i & 1) + kSide * ((i >> 1) & 1) + kSide * kSide * (i >> 2)];
+    const std::int16_t code = low[(i & 1) + kRow * ((i >> 1) & 1) + kLayer * (i >> 2)];
     if (code == kNone) return false;
     (*values)[i] = static_cast<float>(code) * scale_;
   }
@@ -17,7 +18,7 @@ bool DistanceBlock::corners(int x, int y, int z, std::array<float, 8>* values) c
 
 void DistanceBlock::set(int x, int y, int z, float distance) {
   const float code = std::min(32767.f, std::max(-32767.f, distance / scale_));
-  codes_[at(x, y, z)] = static_cast<std::int16_t>(code + (code < 0.f ? -0.5f : 0.5f));
+  codes_[kernels::table_at(x, y, z)] = static_cast<std::int16_t>(code + (code < 0.f ? -0.5f : 0.5f));
 }
 
 bool DistanceBlock::is_empty() const {

@@ -34,11 +34,8 @@ class DistanceBlock {
   mutable std::atomic<bool> was_used{false};  ///< whether the block was used since the cache last passed over it
 
  private:
-  static std::size_t at(int x, int y, int z) {
-    return static_cast<std::size_t>((x + 1) + kSide * ((y + 1) + kSide * (z + 1)));
-  }
   float scale_;
-  std::array<std::int16_t, kSide * kSide * kSide> codes_;
+  std::array<std::int16_t, kernels::kTableVoxels> codes_;
 };
 
 }  // namespace voxnav::submap

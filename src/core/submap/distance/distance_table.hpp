@@ -14,12 +14,9 @@
 namespace voxnav::submap {
 
 using kernels::kTableSide;
+using kernels::table_at;
 constexpr std::size_t kTableSize = kernels::kTableVoxels;
 using TableOfFloats = std::array<float, kTableSize>;
-
-inline std::size_t table_at(int x, int y, int z) {
-  return static_cast<std::size_t>((x + 1) + kTableSide * ((y + 1) + kTableSide * (z + 1)));
-}
 
 /// The bits of a row of a ContentWindow that lie in the table.
 constexpr std::uint32_t kTableBits = ((1u << kTableSide) - 1) << (ContentWindow::kHalo - 1);

@@ -48,8 +48,8 @@ void UnknownDistances::spread(const geometry::Index3& voxel, const Vec3f& mean, 
     const int z = voxel.z + row / 3 - 1;
     const std::uint32_t unknown = unknown_[row_at(y, z)] & beside;
     if (unknown == 0) continue;
-    const float dy = static_cast<float>(row % 3 - 1) - mean.y();
-    const float dz = static_cast<float>(row / 3 - 1) - mean.z();
+    const float dy = static_cast<float>(y - voxel.y) - mean.y();
+    const float dz = static_cast<float>(z - voxel.z) - mean.z();
     const float across = dy * dy + dz * dz;
     kernels::for_each_bit(unknown, [&](int bit) {
       const int x = bit - kHalo;

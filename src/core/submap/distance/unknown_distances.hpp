@@ -24,16 +24,20 @@ class UnknownDistances {
   void write(const ContentWindow& window, const std::vector<SurfaceNormal>& normals, DistanceBlock* out) const;
 
  private:
+  static constexpr int kRows = kTableSide + 4;  ///< along y and along z
   /// Index of the row at (y, z). There are two rows more on every side of the table, so that the neighbours of a voxel
   /// beside the table have rows as well.
-  static std::size_t row_at(int y, int z) { return static_cast<std::size_t>((y + 3) + (kTableSide + 4) * (z + 3)); }
+  static std::size_t row_at(int y, int z) {
+    const int row = (y + 3) + kRows * (z + 3);
+    return static_cast<std::size_t>(row);
+  }
   void list_unknown(const ContentWindow& window);
   void spread(const geometry::Index3& voxel, const geometry::Vec3f& mean, std::uint16_t number);
 
   std::vector<std::uint16_t> near_table_;
-  std::array<std::uint32_t, (kTableSide + 4) * (kTableSide + 4)> unknown_;  ///< bit x + 8 of each row
-  TableOfFloats squared_;                                                   ///< squared distance to the nearest point
-  std::array<std::uint16_t, kTableSize> nearest_;                           ///< number of that point in near_table_
+  std::array<std::uint32_t, std::size_t{kRows} * kRows> unknown_;  ///< bit x + 8 of each row
+  TableOfFloats squared_;                                          ///< squared distance to the nearest point
+  std::array<std::uint16_t, kTableSize> nearest_;                  ///< number of that point in near_table_
 };
 
 }  // namespace voxnav::submap

@@ -29,16 +29,17 @@ void SubmapCollection::save(const std::string& directory) const {
   make_directory(directory);
   MapIndexWriter index(config(), size());
   std::set<std::string> listed;
+  const std::string folder = directory + "/";
   for (const SubmapEntry* entry : entries()) {
     const std::string bytes = entry->submap->to_bytes();
     const std::uint32_t sum = base::crc32(bytes.data(), bytes.size());
     const std::string name = submap_file_name(entry->id, sum);
-    write_atomically(directory + "/" + name, bytes);
+    write_atomically(folder + name, bytes);
     index.add(*entry, sum);
     listed.insert(name);
   }
   sync_directory(directory);
-  write_atomically(directory + "/" + kIndexName, index.finish());
+  write_atomically(folder + kIndexName, index.finish());
   sync_directory(directory);
   remove_unlisted(directory, listed);
 }

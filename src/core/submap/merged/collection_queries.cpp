@@ -20,7 +20,7 @@ std::vector<geometry::Vec3f> SubmapCollection::occupied_points() {
   std::vector<geometry::Vec3f> out;
   for (const Index3& index : order) {
     for (const SurfaceEvidence& point : evidence().find(index)->points) {
-      out.push_back(evidence().point_of(index, point).cast<float>());
+      out.emplace_back(evidence().point_of(index, point).cast<float>());
     }
   }
   return out;

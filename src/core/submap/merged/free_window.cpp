@@ -46,8 +46,8 @@ void FreeWindow::take(const Index3& block_G, const Columns& free) {
   const Index3 first = geometry::voxel_at(block_G, 0) - low_;  // relative to the window
   const int first_row = std::max(0, first.y);
   kernels::ColumnRows rows;
-  rows.from = &free[static_cast<std::size_t>((first_row - first.y) * kBlockSide)];
-  rows.to = &columns_[static_cast<std::size_t>(first_row * kRowLength + first.x)];
+  rows.from = &free[column_at(0, first_row - first.y)];
+  rows.to = columns_.data() + (first_row * kRowLength + first.x);
   rows.row_length = kRowLength;
   rows.count = std::min(num_rows_, first.y + kBlockSide) - first_row;
   rows.up = first.z;

@@ -68,7 +68,7 @@ class FreeWindow {
   Center right_, back_;       ///< step of one voxel of W along x and y
   geometry::Index3 low_;      ///< lowest voxel of the window, which lies at the border of a block along x
   int num_rows_ = 0;
-  std::array<std::uint32_t, kRows * kRowLength> columns_;
+  std::array<std::uint32_t, std::size_t{kRows} * kRowLength> columns_;
 };
 
 template <class FreeOf>

@@ -65,7 +65,8 @@ const PlacedPoints::Block* PlacedPoints::find(const Index3& index) const {
 const PlacedPoints::Block* PlacedPoints::Around::at(const Index3& step) const {
   if (step == Index3{}) return center_;
   if (std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) > 1) return points_->find(index_ + step);
-  const auto i = static_cast<std::size_t>(step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1));
+  const int position = step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1);
+  const auto i = static_cast<std::size_t>(position);
   if (((looked_up_ >> i) & 1) == 0) near_[i] = points_->find(index_ + step);
   looked_up_ |= 1u << i;
   return near_[i];
@@ -96,7 +97,7 @@ bool PlacedPoints::has_within(const Block& block, const Units3& p, int reach, do
   const unsigned layers = (2u << zs.last) - (1u << zs.first);
   for (int y = ys.first; y <= ys.last; ++y) {
     for (int x = xs.first; x <= xs.last; ++x) {
-      const auto column = static_cast<std::size_t>(x + kBlockSide * y);
+      const std::size_t column = column_at(x, y);
       if ((block.occupied[column] & layers) == 0) continue;
       for (std::uint32_t i = block.first[column]; i < block.first[column + 1]; ++i) {
         const Units3 d = units_of(points_[i]) - p;

@@ -75,6 +75,7 @@ Eigen::Affine3d PlacedSubmap::T_G_W_of(const Index3& block) const {
 void PlacedSubmap::place_points(const std::vector<bool>& is_thin) {
   std::vector<Eigen::Affine3d> T_W_G;
   const int num_times = placement_.bend.is_rigid() ? 1 : 256;
+  T_W_G.reserve(static_cast<std::size_t>(num_times));
   for (int time = 0; time < num_times; ++time) {
     T_W_G.push_back(in_units(T_W_G_at(time / 255.0), resolution_m_, submap_resolution_m_));
   }

@@ -42,7 +42,8 @@ void PointPlacer::enter(const Index3& block_G) {
   const Vec3 margin = Vec3::Constant(frames_.size() > 1 ? kArc : kRounding);
   first_W_ = geometry::block_of(floor_index(lowest - margin));
   sides_ = geometry::block_of(floor_index(highest + margin)) - first_W_ + Index3{1, 1, 1};
-  numbers_.assign(static_cast<std::size_t>(sides_.x * sides_.y * sides_.z), -1);
+  const auto length = [](std::int32_t side) { return static_cast<std::size_t>(side); };
+  numbers_.assign(length(sides_.x) * length(sides_.y) * length(sides_.z), -1);
   ++num_entered_;
 }
 
@@ -57,7 +58,8 @@ const PointPlacer::Frame& PointPlacer::frame_at(std::uint8_t time) {
 }
 
 std::int32_t PointPlacer::number_of(const Index3& step) {
-  std::int32_t& number = numbers_[static_cast<std::size_t>(step.x + sides_.x * (step.y + sides_.y * step.z))];
+  const std::int32_t position = step.x + sides_.x * (step.y + sides_.y * step.z);
+  std::int32_t& number = numbers_[static_cast<std::size_t>(position)];
   if (number < 0) number = static_cast<std::int32_t>(points_->block(first_W_ + step));
   return number;
 }

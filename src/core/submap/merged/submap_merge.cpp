@@ -40,7 +40,7 @@ std::vector<Vec3> viewpoints(const std::vector<geometry::StampedPose>& T_S_B, co
   const std::size_t count = std::min(kMost, T_S_B.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = count == 1 ? 0 : i * (T_S_B.size() - 1) / (count - 1);
-    out.push_back(T_W_S * T_S_B[at].pose.translation());
+    out.emplace_back(T_W_S * T_S_B[at].pose.translation());
   }
   return out;
 }
@@ -147,7 +147,7 @@ void SubmapMerge::add_stale(const std::vector<Index3>& stale, Work* work) {
   }
 }
 
-void SubmapMerge::integrate(SubmapStore* store, Work work) {
+void SubmapMerge::integrate(SubmapStore* store, Work&& work) {
   for (auto& [key, blocks] : work) {
     StoredSubmap& record = store->at(key);
     store->touch(&record);

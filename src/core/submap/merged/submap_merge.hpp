@@ -35,7 +35,7 @@ class SubmapMerge {
   void put_in(const SubmapStore& store, const SubmapKey& key, StoredSubmap* record);
   Work put_in_new(SubmapStore* store, std::vector<geometry::Index3>* stale);
   void add_stale(const std::vector<geometry::Index3>& stale, Work* work);
-  void integrate(SubmapStore* store, Work work);
+  void integrate(SubmapStore* store, Work&& work);
   void integrate(const StoredSubmap& record, Knowledge knowledge, const std::vector<geometry::Index3>& blocks);
 
   double resolution_m_;

@@ -86,7 +86,7 @@ std::uint32_t MarchingCubes::vertex(const Index3& lower, int edge, const Corners
     const float b = values[static_cast<std::size_t>(corner | (1 << axis))];
     geometry::Vec3 p(voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5);
     p[axis] += a / (a - b);
-    mesh_->vertices.push_back((T_A_G_ * (p * resolution_m_)).cast<float>());
+    mesh_->vertices.emplace_back((T_A_G_ * (p * resolution_m_)).cast<float>());
   }
   return inserted.first->second;
 }

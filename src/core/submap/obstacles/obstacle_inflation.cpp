@@ -38,9 +38,10 @@ void BallWindow::copy_to(const Index3& step, Columns* mask) const {
   const int shift = kHalo + kBlockSide * step.z;
   for (int y = first(step.y); y < last(step.y); ++y) {
     const int line = (y + kBlockSide * step.y + kHalo) * kSide + kBlockSide * step.x + kHalo;
-    std::uint16_t* out = &(*mask)[static_cast<std::size_t>(y * kBlockSide)];
+    std::uint16_t* out = &(*mask)[column_at(0, y)];
     for (int x = first(step.x); x < last(step.x); ++x) {
-      const std::uint32_t column = columns_[static_cast<std::size_t>(line + x)];
+      const int other = line + x;
+      const std::uint32_t column = columns_[static_cast<std::size_t>(other)];
       out[x] |= static_cast<std::uint16_t>(shift >= 0 ? column >> shift : column << -shift);
     }
   }
@@ -61,8 +62,7 @@ void add_balls(const EvidenceBlock& block, const Index3& step, double reach, Col
         const int low = first(p.z() - std::sqrt(left));
         const int high = last(p.z() + std::sqrt(left));
         if (low > high) continue;
-        (*mask)[static_cast<std::size_t>(x + kBlockSide * y)] |=
-            static_cast<std::uint16_t>((0xFFFFu >> (kBlockSide - 1 - high)) & (0xFFFFu << low));
+        (*mask)[column_at(x, y)] |= static_cast<std::uint16_t>((0xFFFFu >> (kBlockSide - 1 - high)) & (0xFFFFu << low));
       }
     }
   }

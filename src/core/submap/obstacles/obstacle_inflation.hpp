@@ -27,7 +27,7 @@ class BallWindow {
   void copy_to(const geometry::Index3& step, Columns* mask) const;
 
  private:
-  std::array<std::uint32_t, kSide * kSide> columns_{};
+  std::array<std::uint32_t, std::size_t{kSide} * kSide> columns_{};
 };
 
 /// Sets the voxels of a block within any reach of the points of another block.

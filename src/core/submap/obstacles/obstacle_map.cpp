@@ -50,7 +50,8 @@ class Surroundings {
   /// @param reach  radius of the balls, voxel edges
   Surroundings(const EvidenceMap& evidence, int reach_blocks, double reach)
       : evidence_(evidence), reach_blocks_(reach_blocks), side_(2 * reach_blocks + 1), reach_(reach) {
-    sources_.resize(static_cast<std::size_t>(side_ * side_ * side_));
+    const auto side = static_cast<std::size_t>(side_);
+    sources_.resize(side * side * side);
   }
 
   void move_to(const Index3& index) {

@@ -9,9 +9,9 @@ namespace voxnav::submap {
 
 std::vector<std::string> ProjectiveConfig::problems() const {
   std::vector<std::string> out;
-  if (truncation_m < 2.0 * resolution_m) out.push_back("truncation_m must be at least two voxels");
-  if (min_range_m >= max_range_m) out.push_back("min_range_m must be below max_range_m");
-  if (max_range_m / resolution_m > 20000.0) out.push_back("max_range_m is more than 20000 voxels");
+  if (truncation_m < 2.0 * resolution_m) out.emplace_back("truncation_m must be at least two voxels");
+  if (min_range_m >= max_range_m) out.emplace_back("min_range_m must be below max_range_m");
+  if (max_range_m / resolution_m > 20000.0) out.emplace_back("max_range_m is more than 20000 voxels");
   return out;
 }
 
