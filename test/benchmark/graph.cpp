@@ -43,7 +43,8 @@ std::vector<Flown> fly(int num_submaps) {
     const std::vector<float> points = test::forest_scan(T_W_L.translation(), yaw, 256);
     for (int repeat = 0; repeat < 3; ++repeat) map.insert(geometry::view_of_rows(points), T_W_L);
     if (i % kScans != kScans - 1) continue;
-    const Pose T_W_S = pose_on_ring(1.1 * (i - kScans / 2));
+    const int middle = i - kScans / 2;
+    const Pose T_W_S = pose_on_ring(1.1 * middle);
     const occupancy::MapContent content = map.hand_over();
     map.take_evicted();
     const auto submap = submap::Submap::from_content(content, T_W_S.inverse(Eigen::Isometry), {});

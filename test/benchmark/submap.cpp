@@ -122,7 +122,8 @@ submap::SubmapEntry long_entry(std::size_t i, double shift_m) {
   submap::SubmapEntry entry = entry_of(i % kSubmaps, shift_m);
   entry.id = static_cast<std::uint32_t>(i);
   entry.end_ns = static_cast<base::StampNs>(i);
-  entry.T_W_S = geometry::from_position_yaw({66.0 * static_cast<double>(i / kSubmaps), 0.0, 0.0}, 0.0) * entry.T_W_S;
+  const std::size_t lap = i / kSubmaps;
+  entry.T_W_S = geometry::from_position_yaw({66.0 * static_cast<double>(lap), 0.0, 0.0}, 0.0) * entry.T_W_S;
   return entry;
 }
 

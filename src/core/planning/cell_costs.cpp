@@ -114,7 +114,7 @@ bool CellCosts::distances(const geometry::Index3& block, Select select, Distance
       min_plus(&pass_b_[(z * length + y) * kSide], kSide, weights_, &pass_a_[(z * kSide + y) * kSide]);
     }
   }
-  for (std::size_t row = 0; row < kSide * kSide; ++row) {
+  for (std::size_t row = 0; row < std::size_t{kSide} * kSide; ++row) {
     min_plus(&pass_a_[row * kSide], kSide * kSide, weights_, &(*out)[row * kSide]);
   }
   return true;

@@ -110,6 +110,6 @@ TEST(OpenBeams, ValuesThatAreNotFiniteAreNoReturns) {
   RawCloud meadow = scan([](int r, int) { return r < 14 ? 0.0 : 8.0; });
   OpenBeams beams(kEvery);
   const std::size_t count = learnt(&beams, meadow).size();
-  for (std::size_t i = 0; i < 14u * kColumns; i += 5) meadow.set_xyz(i, NAN, INFINITY, 1.0F);
+  for (std::size_t i = 0; i < std::size_t{14} * kColumns; i += 5) meadow.set_xyz(i, NAN, INFINITY, 1.0F);
   EXPECT_EQ(beams.find(meadow.view()).size(), count);
 }
