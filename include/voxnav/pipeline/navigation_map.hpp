@@ -72,7 +72,7 @@ class NavigationMap {
     std::shared_ptr<containers::StateGrid> grid;
     std::uint32_t sequence = 0;
     int num_ignored = 0;  ///< updates ignored in a row; many mean that the source was restarted
-    Applied apply(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
+    Applied apply(const containers::GridUpdate& update, std::uint32_t next, double resolution_m);
   };
 
   NavigationMapConfig config_;

@@ -32,7 +32,7 @@ class SubmapAssembler {
   };
 
   /// @throws std::invalid_argument without room for one open submap, base::ConfigError on a bad configuration
-  explicit SubmapAssembler(SubmapAssemblerConfig config);
+  explicit SubmapAssembler(const SubmapAssemblerConfig& config);
 
   /// Adds the next handover. Early content is kept for max_open_submaps submaps. If there are more, that of the lowest
   /// id is dropped: its last part was lost, or will make a submap without it.

@@ -19,7 +19,7 @@ std::vector<std::string> PclFiltersConfig::problems() const {
     if (crop_box_min[k] < crop_box_max[k]) continue;
     out.push_back(std::string("crop_box_min: must be below crop_box_max on axis ") + "xyz"[k]);
   }
-  if (axis == std::array<double, 3>{0.0, 0.0, 0.0}) out.push_back("axis: must not be zero");
+  if (axis == std::array<double, 3>{0.0, 0.0, 0.0}) out.emplace_back("axis: must not be zero");
   return out;
 }
 

@@ -164,6 +164,7 @@ void PointMap::keep_around(const Vec3f& center_O, double radius_m) {
     by_distance.resize(static_cast<std::size_t>(keep));
   }
   std::vector<std::uint32_t> kept;
+  kept.reserve(by_distance.size());
   for (const auto& entry : by_distance) kept.push_back(entry.second);
   std::sort(kept.begin(), kept.end());
   rebuild(kept);

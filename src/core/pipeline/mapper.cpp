@@ -44,8 +44,8 @@ struct Mapper::Impl {
   Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator);
   void track(cloud::Sweep sweep, double now_s);
   void track_ready(double now_s);
-  void push(Waiting waiting);
-  void settle(Waiting* waiting) const;
+  void push(Waiting item);
+  void settle(Waiting* item) const;
   void watch_clock(base::StampNs stamp_ns, MapperStep* step);
   bool awaits_level() const;
   void level();

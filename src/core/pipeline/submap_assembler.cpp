@@ -24,7 +24,7 @@ submap::SubmapEntry entry_of(const Handover& handover) {
 
 }  // namespace
 
-SubmapAssembler::SubmapAssembler(SubmapAssemblerConfig config) : config_(std::move(config)) {
+SubmapAssembler::SubmapAssembler(const SubmapAssemblerConfig& config) : config_(config) {
   if (config_.max_open_submaps < 1) throw std::invalid_argument("max_open_submaps must be at least 1");
   if (config_.projective) integrator_.emplace(*config_.projective);
 }

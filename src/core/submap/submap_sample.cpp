@@ -30,7 +30,7 @@ Trilinear interpolate(const std::array<float, 8>& c, const Vec3& t) {
   const auto mix = [](double a, double b, double ratio) { return a + ratio * (b - a); };
   double x[4];   // interpolated along x, at (y, z) = 00 10 01 11
   double dx[4];  // difference along x
-  for (int i = 0; i < 4; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     dx[i] = static_cast<double>(c[2 * i + 1]) - c[2 * i];
     x[i] = c[2 * i] + t.x() * dx[i];
   }

@@ -100,7 +100,7 @@ std::optional<Attempt> Generator::best_attempt(GeneratedTrajectory* out) const {
   bool is_too_long = false;
   const bool is_moving = velocity_.norm() > 1e-3;
   for (const double braking_ratio : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    if (const auto result = attempt(braking_ratio, false, &is_too_long)) return result;
+    if (auto result = attempt(braking_ratio, false, &is_too_long)) return result;
     if (is_too_long) return std::nullopt;
     if (!is_moving) break;
   }

@@ -63,7 +63,7 @@ class ProjectiveIntegrator::Volume {
   void cast(const geometry::Vec3& origin, const Ray& ray, Counts* counts);
   Visit update(double distance, float weight, bool is_own_end, Voxel* voxel) const;
   void fuse(float distance, float weight, Voxel* voxel) const;
-  Block* open(const geometry::Index3& block);
+  Block* open(const geometry::Index3& index);
   void add_measured(const geometry::Index3& index, const Block& block, Measured* out) const;
   std::optional<Surface> surface_at(const geometry::Index3& voxel, float distance) const;
   bool observed(const geometry::Index3& index, float* distance) const;

@@ -27,7 +27,7 @@ std::vector<Vec3> places_over_time(const std::vector<geometry::StampedPose>& T_G
   for (std::size_t time = 0; time < kTimes; ++time) {
     const auto stamp_ns = start_ns + static_cast<base::StampNs>(span_ns * static_cast<double>(time) / (kTimes - 1));
     while (next + 1 < T_G_B.size() && T_G_B[next].stamp_ns < stamp_ns) ++next;
-    out.push_back(T_G_B[next].pose.translation() / resolution_m);
+    out.emplace_back(T_G_B[next].pose.translation() / resolution_m);
   }
   return out;
 }
