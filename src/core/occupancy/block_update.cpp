@@ -26,6 +26,20 @@ VoxelBits refuted_bits(OctreeBlock* block, const BlockEvidence& evidence, const 
   return sight.refuted(evidence.first_voxel, asked, &block->leaves);
 }
 
+/// Tells whether one of the 26 neighbours of a voxel is above a level, as far as they lie in the same block.
+bool is_beside(const std::uint8_t* levels, int offset, std::uint8_t above) {
+  const int x = offset & 15, y = (offset >> 4) & 15, z = offset >> 8;
+  for (int nz = std::max(z - 1, 0); nz <= std::min(z + 1, 15); ++nz) {
+    for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, 15); ++ny) {
+      const std::uint8_t* row = levels + 16 * (16 * nz + ny);
+      for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, 15); ++nx) {
+        if (row[nx] > above) return true;
+      }
+    }
+  }
+  return false;
+}
+
 struct Applied {
   BlockUpdate update;
   bool any_level_changed = false;
@@ -48,11 +62,16 @@ void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const Voxel
   out->update.any_state_changed = out->update.any_state_changed || done.crossed_free + done.crossed_occupied != 0;
 }
 
+/// Counts hits. A hit in a voxel that is believed free outweighs the misses before it if the map believes in surface
+/// right beside: beams that pass a leaf or an edge in its voxel say nothing against it. Far from any surface it is more
+/// likely a drop of rain, and counts as one hit.
 void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale, const StateLevels& levels,
                 Applied* out) {
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
     std::uint8_t& level = block->log_odds[hit->offset];
-    const auto after = static_cast<std::uint8_t>(std::min<int>(level + scale.hit, scale.max));
+    const bool is_surface = level < scale.prior && is_beside(block->log_odds.data(), hit->offset, scale.prior);
+    const auto after =
+        static_cast<std::uint8_t>(std::min<int>((is_surface ? scale.prior : level) + scale.hit, scale.max));
     const containers::VoxelState state = levels.of(after);
     if (state != levels.of(level)) {
       out->update.any_state_changed = true;

@@ -53,6 +53,18 @@ TEST(LocalMap, HitAndMissCountsFollowTheReferenceTable) {
   EXPECT_EQ(scans_until(&fresh, behind, near, VoxelState::kFree), 3);
 }
 
+TEST(LocalMap, AHitBesideSurfaceOutweighsEarlierMissesAndALoneOneDoesNot) {
+  const Vec3 leaf(5.0, 0.2, 0.2), behind(10.0, 0.2, 0.2), branch(5.0, 0.6, 0.2);
+  for (const bool is_alone : {false, true}) {
+    LocalMap map(small_config());
+    for (int i = 0; i < 20; ++i) insert_from(&map, kOrigin, {behind, is_alone ? Vec3(5.0, 1.4, 0.2) : branch});
+    ASSERT_EQ(map.state(leaf), VoxelState::kFree);
+    insert_from(&map, kOrigin, {leaf});
+    EXPECT_EQ(map.state(leaf), is_alone ? VoxelState::kFree : VoxelState::kUnknown);
+    EXPECT_EQ(scans_until(&map, leaf, leaf, VoxelState::kOccupied), is_alone ? 3 : 1);
+  }
+}
+
 TEST(LocalMap, HitsWinWithinOneScan) {
   LocalMap map(small_config());
   const Vec3 near(5.0, 0.2, 0.2);

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Foliage as a LiDAR with wide beams sees it, from which returns are mixed: the local map keeps what returned."""
+
+import pytest
+
+pytest.importorskip("voxnav._simulation", reason="built without Embree")
+from voxnav.map_quality.foliage import measure  # noqa: E402
+
+NUM_SCANS, COLUMNS = 16, 512
+
+
+@pytest.mark.parametrize("seed", [4, 5, 6])
+def test_surface_of_a_thicket_is_kept(seed):
+    found = measure(seed, NUM_SCANS, {"columns": COLUMNS})
+    for resolution_m, (shares, phantoms) in found.items():
+        print(seed, resolution_m, "phantoms %.4f" % phantoms,
+              {kind: "%d %.3f/%.3f %.3f %.4f" % s for kind, s in shares.items()})
+        everything = shares["all"]
+        assert everything.voxels > 10000
+        assert everything.kept >= 0.97 and everything.free <= 0.02
+        # In the other voxels no return ever fell: the echoes of leaves that follow closely lie between them.
+        assert everything.kept_of_returned >= 0.995
+        assert shares["leaves"].returned < 0.99, "the beams are too narrow for a test of foliage"
+        for kind in ("ground", "trunks", "leaves"):
+            assert shares[kind].kept >= 0.95, kind
+        assert phantoms <= 0.001
