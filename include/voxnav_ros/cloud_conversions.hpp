@@ -14,6 +14,9 @@ namespace voxnav_ros {
 
 voxnav::cloud::CloudLayout layout_of(const sensor_msgs::PointCloud2& msg);
 
+/// Writes size and fields of a layout into a message, whose bytes are there already.
+void set_layout(const voxnav::cloud::CloudLayout& layout, sensor_msgs::PointCloud2* msg);
+
 /// Returns a view into a message, which must outlive the view.
 /// @throws std::invalid_argument telling what is wrong with the message
 voxnav::cloud::RawCloudView view_of(const sensor_msgs::PointCloud2& msg);

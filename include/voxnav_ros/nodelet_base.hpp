@@ -36,7 +36,7 @@ class NodeletBase : public nodelet::Nodelet {
   Clock& clock() { return time_->clock(); }
   const std::string& node() const { return node_; }
   /// See TimeSeam::report_done().
-  void publish_progress(const ros::Time& stamp) { time_->report_done(stamp); }
+  void publish_progress(const ros::Time& stamp, const std::string& part = "") { time_->report_done(stamp, part); }
   /// See TimeSeam::announce().
   void announce_work(const ros::Time& stamp) { time_->announce(stamp); }
 

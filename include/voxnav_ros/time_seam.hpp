@@ -54,7 +54,9 @@ class TimeSeam {
   Clock& clock() { return *clock_; }
   /// Reports that all inputs of the node up to this stamp have been processed. This is reported in real time, too,
   /// since players of recordings and the simulated sensor wait for it.
-  void report_done(const ros::Time& stamp);
+  /// @param part  the part of the node whose inputs these are, if it has several that are waited for separately: it
+  ///              reports as NODE/PART
+  void report_done(const ros::Time& stamp, const std::string& part = "");
   /// Announces that a message with this stamp is about to be sent to the consumers, which report the stamp when they
   /// are done. To be called before the message is published, so that the simulation cannot go on in between.
   void announce(const ros::Time& stamp);

@@ -23,12 +23,14 @@ struct SweepCounts {
   std::uint64_t truth_gaps = 0;     ///< poses too far apart to know the motion between them
 };
 
-/// Schedules turns of the sensor from a stream of true body poses. It goes by stamps alone, so that the result is the
+/// Schedules turns of a sensor from a stream of true body poses. It goes by stamps alone, so that the result is the
 /// same at any speed of the clock. Turns start at whole multiples of the duration of one turn. Not thread-safe.
 class SweepScheduler {
  public:
   /// @param is_instantaneous  whether all columns see the pose at the start of the turn, as in Gazebo
-  SweepScheduler(const LidarModel* model, bool is_instantaneous);
+  SweepScheduler(const LidarModel& model, bool is_instantaneous);
+  /// For a sensor that measures at one instant, once in each period.
+  SweepScheduler(voxnav::base::StampNs period_ns, const Pose& T_B_L);
 
   void add_truth(const voxnav::geometry::StampedPose& T_W_B);
   /// Returns the next turn that the true poses cover completely, or nothing if there is none yet.
@@ -38,9 +40,9 @@ class SweepScheduler {
  private:
   void restart();
 
-  const LidarModel* model_;
+  voxnav::base::StampNs period_ns_;
+  std::vector<voxnav::base::StampNs> column_times_ns_;  ///< after the start of a turn
   Pose T_B_L_;
-  bool is_instantaneous_;
   PoseHistory history_;
   std::optional<std::int64_t> next_index_;
   SweepCounts counts_;

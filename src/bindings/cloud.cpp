@@ -8,6 +8,7 @@
 #include "bind_config.hpp"
 #include "floors.hpp"
 #include "pcl_filters.hpp"
+#include "voxnav/cloud/depth_cloud.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/cloud/sweep.hpp"
 
@@ -111,10 +112,13 @@ std::vector<geometry::Vec3f> directions_of(const py::object& rows) {
 
 void bind_sweep(py::module_& m) {
   using cloud::Sweep;
-  py::class_<Sweep>(m, "Sweep", "One turn of a LiDAR: points with their times, and open beams. See read_sweep().")
+  py::class_<Sweep>(m, "Sweep",
+                    "One turn of a LiDAR or image of a depth camera: points with their times, and open beams.\n"
+                    "See read_sweep().")
       .def_readonly("stamp_ns", &Sweep::stamp_ns)
       .def_readonly("start_ns", &Sweep::start_ns, "When the sweep began.")
       .def_readonly("duration_ns", &Sweep::duration_ns, "The largest time offset.")
+      .def_readwrite("sensor", &Sweep::sensor, "Number of the sensor among those of the vehicle.")
       .def_property_readonly(
           "points", [](const Sweep& s) { return rows_of(s.points); },
           "(n, 3) float32, sensor frame [m], each as seen at its time.")
@@ -149,6 +153,38 @@ void bind_sweep(py::module_& m) {
             return rows_of(self.find(view_of(data, layout, 0)));
           },
           py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
+}
+
+/// Makes a cloud of a depth image: (h, w) uint16 in millimetres or float32 in metres.
+py::tuple convert(cloud::DepthCloud& self, const py::array& image, const py::array& K) {
+  const double* k = data_of<double>(K, "K", {3, 3});
+  const bool is_millimetres = py::isinstance<py::array_t<std::uint16_t>>(image);
+  if (is_millimetres) {
+    data_of<std::uint16_t>(image, "image", {-1, -1});
+  } else {
+    data_of<float>(image, "image", {-1, -1});
+  }
+  cloud::CameraInfo info;
+  info.height = static_cast<std::uint32_t>(image.shape(0));
+  info.width = static_cast<std::uint32_t>(image.shape(1));
+  std::copy(k, k + 9, info.K.begin());
+  const cloud::CameraModel camera = cloud::camera_of(info);
+  std::vector<std::uint8_t> bytes;
+  self.convert({is_millimetres ? "16UC1" : "32FC1", info.width, info.height,
+                static_cast<std::uint32_t>(image.nbytes() / image.shape(0)), false,
+                static_cast<const std::uint8_t*>(image.data()), static_cast<std::size_t>(image.nbytes())},
+               camera, &bytes);
+  return py::make_tuple(py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size()), self.layout(camera));
+}
+
+void bind_depth_cloud(py::module_& m) {
+  bind_config<cloud::DepthCloudConfig>(m, "DepthCloudConfig", "Which pixels of a depth image become points.");
+  py::class_<cloud::DepthCloud>(m, "DepthCloud", "Turns depth images into organised clouds. Not thread-safe.")
+      .def(py::init<const cloud::DepthCloudConfig&>(), py::arg("config") = cloud::DepthCloudConfig())
+      .def("convert", &convert, py::arg("image"), py::arg("K"),
+           "Converts a rectified image: (h, w) uint16 in millimetres or float32 in metres, 0 = none.\n\n"
+           "K: (3, 3) float64 intrinsics. Returns the bytes of a cloud in the optical frame and its CloudLayout, for\n"
+           "CloudFilter.apply_raw(). Raises ValueError.");
 }
 
 void bind_point_times(py::module_& m) {
@@ -218,12 +254,15 @@ void bind_result(py::module_& m) {
           "Start of the sweep relative to the cloud's stamp [s]; negative if the stamp is the end of the sweep.")
       .def(
           "sweep",
-          [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams) {
-            return cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
+          [](const FilterResult& r, base::StampNs stamp_ns, const py::object& open_beams, std::size_t sensor) {
+            cloud::Sweep sweep = cloud::sweep_of(r, stamp_ns, directions_of(open_beams));
+            sweep.sensor = sensor;
+            return sweep;
           },
-          py::arg("stamp_ns"), py::arg("open_beams") = py::none(),
+          py::arg("stamp_ns"), py::arg("open_beams") = py::none(), py::arg("sensor") = 0,
           "The filtered points as a Sweep.\n\n"
-          "The stamp is that of the cloud; open_beams: (k, 3) float32 from OpenBeams.find().")
+          "The stamp is that of the cloud; open_beams: (k, 3) float32 from OpenBeams.find(); sensor: number of the "
+          "sensor\namong those of the vehicle.")
       .def_readonly("num_bad_times", &FilterResult::num_bad_times)
       .def_readonly("is_ghost_filter_suspended", &FilterResult::is_ghost_filter_suspended,
                     "True if no return had any intensity, so that none was removed as a ghost.");
@@ -235,6 +274,7 @@ void bind_cloud(py::module_& m) {
   bind_layout(m);
   bind_point_times(m);
   bind_sweep(m);
+  bind_depth_cloud(m);
   bind_result(m);
   bind_config<cloud::CloudFilterConfig>(m, "CloudFilterConfig", "Which returns of a scan are kept.");
   py::class_<cloud::CloudFilter>(m, "CloudFilter",

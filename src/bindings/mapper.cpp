@@ -27,6 +27,17 @@ void take_part(const char* name, py::dict* values, Member* member) {
   PyDict_DelItemString(values->ptr(), name);
 }
 
+/// As take_part(), for a list of the configurations of several.
+void take_sensors(py::dict* values, std::vector<pipeline::SensorConfig>* sensors) {
+  if (!values->contains("sensors")) return;
+  try {
+    *sensors = (*values)["sensors"].cast<std::vector<pipeline::SensorConfig>>();
+  } catch (const py::cast_error&) {
+    throw py::type_error("sensors must be a list of SensorConfig");
+  }
+  PyDict_DelItemString(values->ptr(), "sensors");
+}
+
 MapperConfig config_of(const py::kwargs& kwargs) {
   py::dict values;
   for (const auto& item : kwargs) values[item.first] = item.second;
@@ -35,41 +46,59 @@ MapperConfig config_of(const py::kwargs& kwargs) {
   take_part<pipeline::SubmapSchedulerConfig>("submap", &values, &parts.submap);
   take_part<pipeline::LoadControlConfig>("load", &values, &parts.load);
   take_part<odometry::LidarOdometryConfig>("odometry", &values, &parts.odometry);
+  take_sensors(&values, &parts.sensors);
   const std::vector<std::string> problems = base::assign(&parts, to_values(values));
   if (!problems.empty()) throw base::ConfigError(problems);
   return parts;
 }
 
 void bind_mapper_config(py::module_& m) {
+  bind_config<pipeline::SensorConfig>(m, "SensorConfig", "What Mapper has to know of one sensor beside its mount.");
   auto cls = bind_config<MapperConfig>(m, "MapperConfig", "Parameters of Mapper.");
   cls.def(py::init(&config_of),
-          "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own.\n"
+          "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own, and\n"
+          "sensors is a list of SensorConfig, one by default.\n"
           "If odometry is given, the mapper estimates its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
   cls.def_readwrite("map", &MapperConfig::map)
       .def_readwrite("submap", &MapperConfig::submap)
       .def_readwrite("load", &MapperConfig::load)
+      .def_readwrite("sensors", &MapperConfig::sensors, "List of SensorConfig, by Sweep.sensor; at least one.")
       .def_readwrite("odometry", &MapperConfig::odometry, "LidarOdometryConfig, or None: poses come from elsewhere.")
       .def_readwrite("first_submap_id", &MapperConfig::first_submap_id,
                      "Id of the first submap; None takes the seconds of its first stamp.");
 }
 
 /// Reads the pose for a whole sweep, which is then not deskewed.
-std::optional<SweepPoses> poses_from(const py::object& T_O_B, const geometry::Pose& T_B_L) {
-  if (T_O_B.is_none()) return std::nullopt;
+SweepPoses poses_of(const py::object& T_O_B, const geometry::Pose& T_B_L) {
   const geometry::Pose body = pose_of(py::cast<py::array>(T_O_B), "T_O_B");
   const geometry::Pose sensor = body * T_B_L;
-  return SweepPoses{{sensor, sensor, 0}, body};
+  return {{sensor, sensor, 0}, body};
 }
 
-/// A mapper with the pose of its LiDAR on the body.
+/// A mapper with the poses of its sensors on the body.
 struct MountedMapper {
-  MountedMapper(const MapperConfig& config, const geometry::Pose& mount) : T_B_L(mount), mapper(config, mount) {}
-  geometry::Pose T_B_L;
+  MountedMapper(const MapperConfig& config, const geometry::Pose& T_B_L)
+      : mounts(config.sensors.size()), mapper(config, T_B_L) {
+    mounts.front() = T_B_L;
+  }
+  std::vector<std::optional<geometry::Pose>> mounts;
   Mapper mapper;
 };
 
+void set_mount(MountedMapper& self, std::size_t sensor, const py::array& T_B_L) {
+  const geometry::Pose mount = pose_of(T_B_L, "T_B_L");
+  self.mapper.set_mount(sensor, mount);
+  self.mounts[sensor] = mount;
+}
+
 void queue_sweep(MountedMapper& self, const cloud::Sweep& sweep, const py::object& T_O_B) {
-  self.mapper.add_sweep(sweep, poses_from(T_O_B, self.T_B_L));
+  std::optional<SweepPoses> poses;
+  if (!T_O_B.is_none()) {
+    if (sweep.sensor >= self.mounts.size() || !self.mounts[sweep.sensor])
+      throw py::value_error("the mount of sensor " + std::to_string(sweep.sensor) + " is unknown");
+    poses = poses_of(T_O_B, *self.mounts[sweep.sensor]);
+  }
+  self.mapper.add_sweep(sweep, poses);
 }
 
 std::vector<pipeline::Handover> add_sweep(MountedMapper& self, const cloud::Sweep& sweep, const py::object& T_O_B) {
@@ -92,7 +121,10 @@ void bind_step(py::module_& m) {
       .def_property_readonly(
           "fate", [](const MapperStep& s) { return to_member(s.fate); },
           "SweepFate: MAPPED; NO_POSE: no pose came, or none can come any more; CROWDED: too many sweeps waited;\n"
-          "LATE: newer sweeps were mapped already.")
+          "LATE: newer sweeps were mapped already; SURPLUS: it came sooner than the sensor's max_rate_hz allows.")
+      .def_readonly("sensor", &MapperStep::sensor, "Number of the sensor of the sweep.")
+      .def_readonly("leads", &MapperStep::leads,
+                    "True if the sweep was mapped and is of the first sensor that delivers, whose sweeps set the pace.")
       .def_readonly("reason", &MapperStep::reason, "A sentence, unless the sweep was mapped.")
       .def_readonly("map_cleared", &MapperStep::map_cleared, "Why the map was cleared before, or None.")
       .def_property_readonly(
@@ -118,7 +150,10 @@ void bind_mapper(py::module_& m) {
              return std::make_unique<MountedMapper>(config, mount);
            }),
            py::arg("config") = MapperConfig{}, py::arg("T_B_L") = py::none(),
-           "T_B_L: (4, 4) float64, LiDAR on the body; None is the identity. Raises ConfigError.")
+           "T_B_L: (4, 4) float64, first sensor on the body; None is the identity. Raises ConfigError.")
+      .def("set_mount", &set_mount, py::arg("sensor"), py::arg("T_B_L"),
+           "Sets the (4, 4) float64 pose on the body of a sensor, without which its sweeps are dropped.\n\n"
+           "Raises ValueError if the configuration has no such sensor.")
       .def(
           "expect_imu", [](MountedMapper& self) { self.mapper.expect_imu(); },
           "There will be IMU samples: sweeps wait, up to 80 of them, until these have shown where up is.")

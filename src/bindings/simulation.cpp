@@ -5,6 +5,7 @@
 #include "bind_config.hpp"
 #include "pybind.hpp"
 #include "simulation_uav.hpp"
+#include "voxnav_simulation/depth_camera.hpp"
 #include "voxnav_simulation/lidar_model.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
 #include "voxnav_simulation/scene.hpp"
@@ -173,6 +174,35 @@ void bind_lidar(py::module_& m) {
       .def_property_readonly("sweep_s", [](const LidarModel& l) { return 1e-9 * static_cast<double>(l.sweep_ns()); });
 }
 
+py::array_t<float> image_of(const DepthCameraModel& camera, const Scene& scene, const py::array& T_W_C,
+                            std::uint64_t index) {
+  const Pose pose = pose_of(T_W_C, "T_W_C");
+  DepthPixels pixels;
+  {
+    const py::gil_scoped_release release;
+    pixels = camera.image(scene, pose, index);
+  }
+  return array_from(std::move(pixels), {camera.config().height, camera.config().width});
+}
+
+void bind_depth_camera(py::module_& m) {
+  py::class_<DepthCameraModel>(m, "DepthCameraModel", "A depth camera that measures a Scene.")
+      .def(py::init<const DepthCameraConfig&, std::uint64_t>(), py::arg("config"), py::arg("seed"))
+      .def("image", &image_of, py::arg("scene"), py::arg("T_W_C"), py::arg("index"),
+           "(h, w) float32 depth along the optical axis [m], 0 = none.")
+      .def_property_readonly("config", [](const DepthCameraModel& c) { return c.config(); })
+      .def_property_readonly(
+          "T_B_C", [](const DepthCameraModel& c) { return pose_array(c.config().T_B_C()); },
+          "(4, 4) float64 pose of the optical frame on the body.")
+      .def_property_readonly(
+          "K",
+          [](const DepthCameraModel& c) {
+            const cloud::CameraModel camera = c.config().camera();
+            return array_from(std::vector<double>{camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1}, 3);
+          },
+          "(3, 3) float64 intrinsics.");
+}
+
 }  // namespace
 }  // namespace voxnav::bindings
 
@@ -185,10 +215,13 @@ PYBIND11_MODULE(_simulation, m) {
   vb::bind_words<voxnav_simulation::DriverLayout>(m, "DriverLayout", "Layouts of the simulated clouds.");
   vb::bind_config<voxnav_simulation::LidarConfig>(m, "LidarConfig", "A spinning LiDAR and its errors.");
   vb::bind_config<voxnav_simulation::LidarSimulatorConfig>(m, "LidarSimulatorConfig", "The lidar_simulator node.");
+  vb::bind_config<voxnav_simulation::DepthCameraConfig>(m, "DepthCameraConfig",
+                                                        "A stereo depth camera and its errors.");
   m.def("load_world_config", &voxnav_simulation::load_world_config, pybind11::arg("path"),
         "Reads a WorldConfig from a flat YAML file. Raises ConfigError that lists every problem.");
   vb::bind_scene(m);
   vb::bind_lidar(m);
+  vb::bind_depth_camera(m);
   vb::bind_uav(m);
   pybind11::dict classes;
   for (int i = 0; i < voxnav_simulation::kNumSurfaceClasses; ++i) {

@@ -65,6 +65,17 @@ voxnav::cloud::CloudLayout layout_of(const sensor_msgs::PointCloud2& msg) {
   return layout;
 }
 
+void set_layout(const voxnav::cloud::CloudLayout& layout, sensor_msgs::PointCloud2* msg) {
+  msg->height = layout.height;
+  msg->width = layout.width;
+  msg->point_step = layout.point_step;
+  msg->row_step = layout.row_step > 0 ? layout.row_step : layout.width * layout.point_step;
+  msg->is_bigendian = layout.is_big_endian ? 1 : 0;
+  msg->fields.clear();
+  for (const voxnav::cloud::CloudField& f : layout.fields)
+    msg->fields.push_back(field(f.name.c_str(), f.offset, static_cast<std::uint8_t>(f.type)));
+}
+
 voxnav::cloud::RawCloudView view_of(const sensor_msgs::PointCloud2& msg) {
   return {layout_of(msg), msg.data.data(), msg.data.size(), to_ns(msg.header.stamp)};
 }

@@ -11,6 +11,7 @@
 #include "submap_integrator_config.hpp"
 #include "voxnav/cloud/body_mask.hpp"
 #include "voxnav/cloud/cloud_filter_config.hpp"
+#include "voxnav/cloud/depth_cloud.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/cloud/pcl_filters.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
@@ -21,6 +22,8 @@
 #include "voxnav/submap/projective_integrator.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 #ifdef VOXNAV_HAS_SIMULATION
+#include "voxnav_simulation/depth_camera.hpp"
+#include "voxnav_simulation/depth_camera_simulator_config.hpp"
 #include "voxnav_simulation/lidar_config.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
 #include "voxnav_simulation/trajectory_generator.hpp"
@@ -88,16 +91,19 @@ int main() {
   print("cloud_filter",
         {section<voxnav::cloud::CloudFilterConfig>("filter"), section<voxnav::cloud::PclFiltersConfig>("pcl"),
          section<voxnav::cloud::OpenBeamsConfig>("open_beams"), section<voxnav::cloud::BodyMaskConfig>("body_mask")});
+  print("depth_cloud", {section<voxnav::cloud::DepthCloudConfig>("depth")});
   print("lidar_odometry",
         {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",
         {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
          section<voxnav::pipeline::MapperConfig>("mapper"), section<voxnav::pipeline::LoadControlConfig>("load"),
-         section<ros_::LocalMapperConfig>("node")});
+         section<voxnav::pipeline::SensorConfig>("lidar"), section<ros_::LocalMapperConfig>("node")});
 #ifdef VOXNAV_HAS_SIMULATION
   namespace simulation = voxnav_simulation;
   print("lidar_simulator",
         {section<simulation::LidarConfig>("lidar"), section<simulation::LidarSimulatorConfig>("node")});
+  print("depth_camera_simulator",
+        {section<simulation::DepthCameraConfig>("camera"), section<simulation::DepthCameraSimulatorConfig>("node")});
   print("uav_simulator", {section<simulation::UavSimulatorConfig>("node"), section<simulation::UavConfig>("uav"),
                           section<simulation::GnssDriftConfig>("drift"), section<simulation::ImuConfig>("imu"),
                           section<simulation::UavConstraintsConfig>("constraints"),

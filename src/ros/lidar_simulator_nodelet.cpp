@@ -6,6 +6,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "voxnav/MoveVehicle.h"
+#include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
@@ -26,19 +27,8 @@ constexpr int kTruthQueue = 1000;
 sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, const std_msgs::Header& header) {
   auto msg = boost::make_shared<sensor_msgs::PointCloud2>();
   msg->header = header;
-  msg->height = cloud.height;
-  msg->width = cloud.width;
-  msg->point_step = cloud.point_step;
-  msg->row_step = cloud.point_step * cloud.width;
+  set_layout({cloud.height, cloud.width, cloud.point_step, 0, false, cloud.fields}, msg.get());
   msg->is_dense = cloud.is_dense;
-  for (const auto& field : cloud.fields) {
-    sensor_msgs::PointField out;
-    out.name = field.name;
-    out.offset = field.offset;
-    out.datatype = static_cast<std::uint8_t>(field.type);
-    out.count = 1;
-    msg->fields.push_back(out);
-  }
   msg->data = std::move(cloud.data);
   return msg;
 }
@@ -62,8 +52,7 @@ class LidarSimulatorNodelet : public NodeletBase {
     const auto seed = static_cast<std::uint64_t>(config_.seed);
     scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
     model_ = std::make_unique<voxnav_simulation::LidarModel>(lidar, seed);
-    scheduler_ =
-        std::make_unique<voxnav_simulation::SweepScheduler>(model_.get(), config_.layout == DriverLayout::kGazebo);
+    scheduler_ = std::make_unique<voxnav_simulation::SweepScheduler>(*model_, config_.layout == DriverLayout::kGazebo);
     ros::NodeHandle& nh = getPrivateNodeHandle();
     cloud_ = nh.advertise<sensor_msgs::PointCloud2>("cloud_out", 5);
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cctype>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -17,6 +21,7 @@ struct LocalMapperConfig {
   std::string odometry_frame = "world_origin";
   std::string body_frame = "fcu";
   MapperPoses pose_source = MapperPoses::kTf;
+  std::vector<std::string> sensors{"lidar"};
   double tf_timeout_s = 0.5;
   double snapshot_period_s = 0.0;
   double occupied_period_s = 10.0;
@@ -32,6 +37,9 @@ struct LocalMapperConfig {
     v("body_frame", &C::body_frame, any(), "", "frame B of the UAV");
     v("pose_source", &C::pose_source, voxnav::base::one_of<MapperPoses>(), "",
       "tf: poses of the sensor by tf; odometry: of the body from ~odometry_in, by tf only where the sensor sits on it");
+    v("sensors", &C::sensors, any(), "",
+      "names of the sensors: the filtered clouds of the first come on ~points_in, those of another on "
+      "~NAME/points_in; each may have a section of its name, like lidar");
     v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s",
       "time that a scan waits for its pose before it is dropped");
     v("snapshot_period_s", &C::snapshot_period_s, in(0.0, 1000.0), "s",
@@ -42,6 +50,24 @@ struct LocalMapperConfig {
       "period of OctoMaps on ~octomap_out, sent while somebody subscribes");
     v("is_octomap_binary", &C::is_octomap_binary, any(), "", "OctoMaps tell occupied and free only, not probabilities");
   }
+  std::vector<std::string> problems() const;
 };
+
+/// Names of sensors are those of sections, beside the ones that the node has anyway.
+inline std::vector<std::string> LocalMapperConfig::problems() const {
+  const std::set<std::string> taken{"map", "submap", "mapper", "load", "node", "time"};
+  std::vector<std::string> out;
+  if (sensors.empty()) out.emplace_back("sensors must hold at least one name");
+  std::set<std::string> known;
+  for (const std::string& name : sensors) {
+    const auto is_part = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+    const bool is_name = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
+                         std::all_of(name.begin(), name.end(), is_part);
+    if (!is_name) out.push_back("sensors: '" + name + "' is no name of letters, digits and underscores");
+    if (taken.count(name) != 0) out.push_back("sensors: '" + name + "' is another section of this node");
+    if (!known.insert(name).second) out.push_back("sensors: '" + name + "' is there twice");
+  }
+  return out;
+}
 
 }  // namespace voxnav_ros

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "local_mapper_nodelet.hpp"
 
+#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "local_map_messages.hpp"
@@ -34,7 +35,10 @@ void LocalMapperNodelet::initialize() {
   params.section("submap", &mapper.submap);
   params.section("load", &mapper.load);
   params.section("node", &config_);
+  mapper.sensors.assign(config_.sensors.size(), pipeline::SensorConfig());
+  for (std::size_t i = 0; i < config_.sensors.size(); ++i) params.section(config_.sensors[i], &mapper.sensors[i]);
   params.finish();
+  limits_ = mapper.sensors;
   uses_odometry_ = config_.pose_source == MapperPoses::kOdometry;
   tf_ = std::make_unique<TfLocator>(frame_name(config_.odometry_frame), frame_name(config_.body_frame));
   const pipeline::SweepLocator* locator = tf_.get();
@@ -46,6 +50,13 @@ void LocalMapperNodelet::initialize() {
 
 void LocalMapperNodelet::advertise() {
   ros::NodeHandle& nh = getPrivateNodeHandle();
+  for (std::size_t i = 0; i < config_.sensors.size(); ++i) {
+    const std::string& name = config_.sensors[i];
+    sensors_.emplace_back();
+    sensors_.back().name = name;
+    sensors_.back().progress_part = i == 0 ? "" : name;
+    sensors_.back().topic = nh.resolveName(points_in(i, name));
+  }
   updates_ = nh.advertise<msg::GridUpdate>("map_out", 20);
   handovers_ = nh.advertise<msg::Handover>("handover_out", 20);
   occupied_ = nh.advertise<sensor_msgs::PointCloud2>("occupied_out", 1, true);
@@ -63,24 +74,32 @@ void LocalMapperNodelet::start() {
   quality_ = nh.subscribe("odometry_quality_in", 5, &LocalMapperNodelet::on_quality, this, hints);
   uav_state_ = nh.subscribe("uav_state_in", 5, &LocalMapperNodelet::on_uav_state, this, hints);
   if (uses_odometry_) odometry_ = nh.subscribe("odometry_in", 100, &LocalMapperNodelet::on_odometry, this, hints);
-  points_ = nh.subscribe("points_in", 5, &LocalMapperNodelet::on_points, this, hints);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    const std::string name = points_in(i, sensors_[i].name);
+    const auto callback = [this, i](const sensor_msgs::PointCloud2ConstPtr& msg) { on_points(i, msg); };
+    sensors_[i].points = nh.subscribe<sensor_msgs::PointCloud2>(name, 5, callback, nullptr, hints);
+  }
   tf_->start(nh, [this] { process(); });
   overdue_ = nh.createSteadyTimer(ros::WallDuration(config_.tf_timeout_s / kChecksPerTimeout),
                                   [this](const ros::SteadyTimerEvent&) {
                                     mapper_->drop_overdue(clock().now_s(), config_.tf_timeout_s);
                                     process();
+                                    watch_silence();
                                   });
 }
 
-void LocalMapperNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& msg) {
+void LocalMapperNodelet::on_points(std::size_t sensor, const sensor_msgs::PointCloud2ConstPtr& msg) {
   clock().reach(msg->header.stamp);
+  sensors_[sensor].heard_s = clock().now_s();
   try {
-    mapper_->add_sweep(sweep_of(*msg), std::nullopt, clock().now_s());
-    warn_of_missing_beams(*msg);
+    voxnav::cloud::Sweep sweep = sweep_of(*msg);
+    sweep.sensor = sensor;
+    mapper_->add_sweep(std::move(sweep), std::nullopt, clock().now_s());
+    warn_of_missing_beams(sensors_[sensor], limits_[sensor], *msg);
   } catch (const std::exception& error) {
-    drop(msg->header.stamp, error.what());
+    drop(&sensors_[sensor], msg->header.stamp, error.what());
   }
-  if (uses_odometry_) find_mount(frame_name(msg->header.frame_id));
+  if (uses_odometry_) find_mount(sensor, frame_name(msg->header.frame_id));
   process();
 }
 
@@ -97,13 +116,13 @@ void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
   process();
 }
 
-/// Takes the mount of the sensor from tf, once tf knows it.
-void LocalMapperNodelet::find_mount(const std::string& sensor_frame) {
-  if (mounted_frame_ == sensor_frame) return;
+/// Takes the mount of a sensor from tf, once tf knows it.
+void LocalMapperNodelet::find_mount(std::size_t sensor, const std::string& sensor_frame) {
+  if (sensors_[sensor].mounted_frame == sensor_frame) return;
   const auto T_B_L = tf_->mount(sensor_frame);
   if (!T_B_L) return;
-  poses_.set_mount(*T_B_L);
-  mounted_frame_ = sensor_frame;
+  poses_.set_mount(*T_B_L, sensor);
+  sensors_[sensor].mounted_frame = sensor_frame;
 }
 
 void LocalMapperNodelet::process() {
@@ -120,20 +139,32 @@ void LocalMapperNodelet::map_next() {
   const ros::Time stamp = to_ros(step.stamp_ns);
   hand_over(step.handovers);
   if (step.map_cleared) report_clear(*step.map_cleared);
-  if (step.fate != pipeline::SweepFate::kMapped) {
-    if (step.fate == pipeline::SweepFate::kLate) ++num_late_;
-    return drop(stamp, step.reason);
-  }
+  if (step.fate != pipeline::SweepFate::kMapped) return leave_out(step);
+  MapperSensor& sensor = sensors_[step.sensor];
+  ++sensor.num_mapped;
+  report(sensor);
   report(step.statistics);
   diagnostics().add_latency("insert", stamp);
-  publish_map(stamp);
+  publish_map(step);
   {
     const auto timer = diagnostics().time("handover");
     hand_over(mapper_->close_due());
   }
-  publish_pictures(stamp);
-  watch_load(clock().now_s() - start_s, stamp);
-  publish_progress(stamp);
+  if (step.leads) publish_pictures(stamp);
+  watch_load(clock().now_s() - start_s, step);
+  publish_progress(stamp, sensor.progress_part);
+}
+
+void LocalMapperNodelet::leave_out(const pipeline::MapperStep& step) {
+  MapperSensor& sensor = sensors_[step.sensor];
+  if (step.fate == pipeline::SweepFate::kSurplus) {
+    ++sensor.num_surplus;
+    report(sensor);
+    return publish_progress(to_ros(step.stamp_ns), sensor.progress_part);
+  }
+  num_late_ += step.fate == pipeline::SweepFate::kLate ? 1 : 0;
+  sensor.num_late += step.fate == pipeline::SweepFate::kLate ? 1 : 0;
+  drop(&sensor, to_ros(step.stamp_ns), step.reason);
 }
 
 std_msgs::Header LocalMapperNodelet::header(const ros::Time& stamp) const {
@@ -154,12 +185,15 @@ bool LocalMapperNodelet::is_snapshot_due(const ros::Time& stamp) {
   return is_due(stamp, config_.snapshot_period_s, &last_snapshot_);
 }
 
-void LocalMapperNodelet::publish_map(const ros::Time& stamp) {
+/// The stamps of maps rise, although scans of several sensors overtake each other.
+void LocalMapperNodelet::publish_map(const pipeline::MapperStep& step) {
   const auto timer = diagnostics().time("publish");
+  const ros::Time stamp = to_ros(step.stamp_ns);
+  map_stamp_ = step.map_cleared ? stamp : std::max(map_stamp_, stamp);
   voxnav::containers::GridUpdate update = mapper_->map().take_changes();
-  if (is_snapshot_due(stamp)) update = mapper_->map().snapshot();
+  if (is_snapshot_due(map_stamp_)) update = mapper_->map().snapshot();
   ++sequence_;
-  updates_.publish(to_msg(std::move(update), update_header(stamp)));
+  updates_.publish(to_msg(std::move(update), update_header(map_stamp_)));
 }
 
 void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "local_mapper_config.hpp"
+#include "mapper_sensor.hpp"
 #include "tf_locator.hpp"
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryQuality.h"
@@ -38,16 +39,17 @@ class LocalMapperNodelet : public NodeletBase {
   void advertise();
   void start() override;
 
-  void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
+  void on_points(std::size_t sensor, const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_odometry(const nav_msgs::OdometryConstPtr& msg);
   void on_quality(const msg::OdometryQualityConstPtr& msg);
   void on_uav_state(const mrs_msgs::UavStateConstPtr& msg);
-  void find_mount(const std::string& sensor_frame);
+  void find_mount(std::size_t sensor, const std::string& sensor_frame);
   void process();
   void map_next();
+  void leave_out(const pipeline::MapperStep& step);
 
   bool is_snapshot_due(const ros::Time& stamp);
-  void publish_map(const ros::Time& stamp);
+  void publish_map(const pipeline::MapperStep& step);
   void publish_pictures(const ros::Time& stamp);
   void hand_over(const std::vector<pipeline::Handover>& handovers);
   std_msgs::Header header(const ros::Time& stamp) const;
@@ -55,11 +57,14 @@ class LocalMapperNodelet : public NodeletBase {
 
   void restart(const std::string& reason, const std::string& text);
   void report_clear(const std::string& text);
-  void watch_load(double work_s, const ros::Time& stamp);
-  void drop(const ros::Time& stamp, const std::string& reason);
+  void watch_load(double work_s, const pipeline::MapperStep& step);
+  void watch_silence();
+  void drop(MapperSensor* sensor, const ros::Time& stamp, const std::string& reason);
   void warn(const std::string& text);
-  void warn_of_missing_beams(const sensor_msgs::PointCloud2& msg);
+  void warn_of_missing_beams(const MapperSensor& sensor, const pipeline::SensorConfig& limits,
+                             const sensor_msgs::PointCloud2& msg);
   void report(const occupancy::InsertStatistics& s);
+  void report(const MapperSensor& sensor);
 
   bool on_get_map(voxnav::GetGrid::Request& request, voxnav::GetGrid::Response& response);
   bool on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
@@ -72,16 +77,18 @@ class LocalMapperNodelet : public NodeletBase {
   std::unique_ptr<TfLocator> tf_;
   pipeline::PoseLocator poses_;  // poses of ~odometry_in
   std::unique_ptr<pipeline::Mapper> mapper_;
-  std::optional<std::string> mounted_frame_;  // frame of the sensor whose mount the mapper knows
+  std::vector<MapperSensor> sensors_;
+  std::vector<pipeline::SensorConfig> limits_;  // of each sensor
   std::optional<std::uint32_t> estimator_iteration_;
   std::uint32_t sequence_ = 0;
   std::uint64_t num_not_finite_ = 0, num_too_near_ = 0, num_far_ = 0, num_clears_ = 0, num_late_ = 0;
   std::uint64_t num_poses_refused_ = 0;
+  double work_s_ = 0.0;  // on the scans since the last one that led
   ros::SteadyTime warned_;
-  ros::Time last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
+  ros::Time map_stamp_, last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;
-  ros::Subscriber points_, odometry_, quality_, uav_state_;
+  ros::Subscriber odometry_, quality_, uav_state_;
   ros::SteadyTimer overdue_;
 };
 

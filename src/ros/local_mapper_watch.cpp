@@ -17,9 +17,13 @@ constexpr double kWarningHold_s = 2.0;
 
 }  // namespace
 
-void LocalMapperNodelet::watch_load(double work_s, const ros::Time& stamp) {
-  if (!last_inserted_.isZero()) mapper_->add_load(work_s, (stamp - last_inserted_).toSec());
+void LocalMapperNodelet::watch_load(double work_s, const pipeline::MapperStep& step) {
+  work_s_ += work_s;
+  if (!step.leads) return;
+  const ros::Time stamp = to_ros(step.stamp_ns);
+  if (!last_inserted_.isZero()) mapper_->add_load(work_s_, (stamp - last_inserted_).toSec());
   last_inserted_ = stamp;
+  work_s_ = 0.0;
   diagnostics().set_counter("decimation", mapper_->decimation());
   if (mapper_->decimation() > 1) {
     warn("overloaded: every " + std::to_string(mapper_->decimation()) + "th point of a scan is used");
@@ -51,20 +55,45 @@ void LocalMapperNodelet::report_clear(const std::string& text) {
   warn("map cleared: " + text);
 }
 
-void LocalMapperNodelet::drop(const ros::Time& stamp, const std::string& reason) {
+void LocalMapperNodelet::drop(MapperSensor* sensor, const ros::Time& stamp, const std::string& reason) {
+  ++sensor->num_dropped;
+  report(*sensor);
   diagnostics().add_dropped("insert");
   diagnostics().set_counter("scans_late", static_cast<double>(num_late_));
-  warn("scan dropped: " + reason);
-  publish_progress(stamp);
+  warn("scan dropped: " + sensor->name + ": " + reason);
+  publish_progress(stamp, sensor->progress_part);
+}
+
+void LocalMapperNodelet::report(const MapperSensor& sensor) {
+  const auto count = [&](const char* what, std::uint64_t value) {
+    diagnostics().set_counter(sensor.name + "/" + what, static_cast<double>(value));
+  };
+  count("scans_mapped", sensor.num_mapped);
+  count("scans_dropped", sensor.num_dropped);
+  count("scans_late", sensor.num_late);
+  count("scans_surplus", sensor.num_surplus);
+}
+
+/// A sensor that died is said for as long as others deliver; it costs them nothing.
+void LocalMapperNodelet::watch_silence() {
+  const std::vector<std::string> silent = silent_sensors(sensors_, clock().now_s());
+  diagnostics().set_counter("sensors_silent", static_cast<double>(silent.size()));
+  std::string text;
+  for (const std::string& each : silent) text += (text.empty() ? "" : "; ") + each;
+  if (!text.empty()) warn(text);
 }
 
 /// Warns if beams without return shall clear space but none arrive, since nothing else would show why the sky stays
 /// unknown.
-void LocalMapperNodelet::warn_of_missing_beams(const sensor_msgs::PointCloud2& msg) {
+void LocalMapperNodelet::warn_of_missing_beams(const MapperSensor& sensor, const pipeline::SensorConfig& limits,
+                                               const sensor_msgs::PointCloud2& msg) {
   const occupancy::LocalMapConfig& map = mapper_->map().config();
   const auto is_beam = [](const sensor_msgs::PointField& field) { return field.name == "beam_x"; };
-  if (map.no_return_range_m < map.resolution_m || std::any_of(msg.fields.begin(), msg.fields.end(), is_beam)) return;
-  warn("map/no_return_range_m is set, but clouds say nothing of open beams: set open_beams/is_enabled of cloud_filter");
+  const double range_m = std::min(map.no_return_range_m, limits.no_return_range_m);
+  if (range_m < map.resolution_m || std::any_of(msg.fields.begin(), msg.fields.end(), is_beam)) return;
+  warn("map/no_return_range_m is set, but the clouds of " + sensor.name +
+       " say nothing of open beams: set open_beams/is_enabled of its cloud_filter, or " + sensor.name +
+       "/no_return_range_m to 0");
 }
 
 void LocalMapperNodelet::warn(const std::string& text) {

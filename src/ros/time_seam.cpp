@@ -36,9 +36,9 @@ TimeSeam::TimeSeam(const voxnav::pipeline::TimeConfig& config, std::string node,
   }
 }
 
-void TimeSeam::report_done(const ros::Time& stamp) {
+void TimeSeam::report_done(const ros::Time& stamp, const std::string& part) {
   msg::Progress progress;
-  progress.node = node_;
+  progress.node = part.empty() ? node_ : node_ + "/" + part;
   progress.stamp = stamp;
   progress_.publish(progress);
 }

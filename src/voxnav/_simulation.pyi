@@ -21,6 +21,40 @@ class ConstraintSet(str, enum.Enum):
     MEDIUM = "medium"
     FAST = "fast"
 
+class DepthCameraConfig:
+    width: int
+    height: int
+    horizontal_fov_rad: float
+    vertical_fov_rad: float
+    rate_hz: float
+    min_range_m: float
+    max_range_m: float
+    noise_per_m: float
+    dropout_ratio: float
+    mount_position_m: Sequence[float]
+    mount_rpy_rad: Sequence[float]
+    def __init__(
+        self, *,
+        width: int = ..., height: int = ..., horizontal_fov_rad: float = ..., vertical_fov_rad: float = ...,
+        rate_hz: float = ..., min_range_m: float = ..., max_range_m: float = ..., noise_per_m: float = ...,
+        dropout_ratio: float = ..., mount_position_m: Sequence[float] = ..., mount_rpy_rad: Sequence[float] = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> DepthCameraConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
+class DepthCameraModel:
+    def __init__(self, config: DepthCameraConfig, seed: int) -> None: ...
+    def image(self, scene: Scene, T_W_C: Array, index: int) -> Array: ...
+    @property
+    def config(self) -> DepthCameraConfig: ...
+    @property
+    def T_B_C(self) -> Array: ...
+    @property
+    def K(self) -> Array: ...
+
 class DriverLayout(str, enum.Enum):
     OUSTER = "ouster"
     GAZEBO = "gazebo"

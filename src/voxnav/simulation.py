@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A seeded forest and a spinning LiDAR in it, without ROS.
+"""A seeded forest, and a spinning LiDAR and a depth camera in it, without ROS.
 
 Built only where Embree is present. Frame W: z up, ground height 0 at the start point; metres.
 
@@ -20,6 +20,7 @@ import numpy as np
 from voxnav import _simulation
 from voxnav._simulation import (
     CLASSES,
+    DepthCameraConfig,
     GnssDriftConfig,
     ImuConfig,
     LidarConfig,
@@ -34,6 +35,8 @@ from voxnav.array_types import Array, ArrayLike
 
 __all__ = [
     "CLASSES",
+    "DepthCamera",
+    "DepthCameraConfig",
     "GnssDriftConfig",
     "ImuConfig",
     "Lidar",
@@ -181,6 +184,25 @@ class SimulatedScan:
         self.points = self.organised[is_return]
         self.point_times = np.broadcast_to(self.column_times_s, is_return.shape)[is_return]
         self.classes = self.labels[is_return]
+
+
+class DepthCamera:
+    """A depth camera; takes a DepthCameraConfig, or its fields by keyword.
+
+    config; T_B_C: (4, 4) pose of its optical frame (right, down, forward) on the body; K: (3, 3) intrinsics.
+    """
+
+    def __init__(self, config: DepthCameraConfig | None = None, seed: int = 1, **fields: Any) -> None:
+        if config is not None and fields:
+            raise ValueError("give either config or fields")
+        self.config = DepthCameraConfig.from_dict(fields) if config is None else config
+        self._model = _simulation.DepthCameraModel(self.config, seed)
+        self.T_B_C, self.K = self._model.T_B_C, self._model.K
+
+    def image(self, world: World, T_W_C: Array, index: int = 0) -> Array:
+        """Takes an image: (h, w) float32 depths along the optical axis in metres, 0 where there is none."""
+        pixels: Array = self._model.image(world.scene, np.ascontiguousarray(T_W_C, dtype=np.float64), index)
+        return pixels
 
 
 class Lidar:

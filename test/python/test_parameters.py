@@ -47,9 +47,21 @@ def test_shipped_configurations_are_the_defaults(everything, node):
 def test_partial_configurations_name_existing_parameters(everything, name):
     tree = {name: load(name)} if name in everything else load(name)
     for node, sections in tree.items():
-        for section, values in sections.items():
-            known = {field["name"] for field in everything[node][section]}
-            assert set(values) <= known, "%s: %s/%s" % (name, node, section)
+        assert_known(everything, node, sections, name)
+
+
+def assert_known(everything, node, sections, name):
+    """The filters of further sensors are called like the first, with the name of the sensor."""
+    kind = "cloud_filter" if node.startswith("cloud_filter_") else node
+    for section, values in sections.items():
+        known = {field["name"] for field in everything[kind][section]}
+        assert set(values) <= known, "%s: %s/%s" % (name, node, section)
+
+
+def test_configurations_of_sensors_name_existing_parameters(everything):
+    limits = load("sensors/depth_camera")
+    assert set(limits) == {field["name"] for field in everything["local_mapper"]["lidar"]}
+    assert_known(everything, "lidar_simulator", load("sensors/simulated_tilted_lidar"), "simulated_tilted_lidar")
 
 
 def test_every_node_has_a_configuration(everything):

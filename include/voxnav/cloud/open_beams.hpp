@@ -35,7 +35,7 @@ struct OpenBeamsConfig {
 /// be dark, wet or grazed), so a beam counts only when nothing around it returned either. A return that is missing has
 /// no coordinates; where a beam points is learnt from the returns it gives at other times: one elevation and one
 /// azimuth per row, columns evenly around the circle. Rows that never returned anything are extrapolated along a line.
-/// Not thread-safe.
+/// Clouds with the fields beam_x, beam_y, beam_z tell the directions themselves (DepthCloud). Not thread-safe.
 class OpenBeams {
  public:
   /// @throws base::ConfigError
@@ -43,7 +43,8 @@ class OpenBeams {
 
   /// Learns from a scan and finds its open beams. O(points).
   /// @return unit directions, sensor frame; none for clouds that are not organised, until enough rows are known, and
-  ///         for sensors whose columns are not spread evenly around the circle. Valid until the next call.
+  ///         for sensors whose columns are not spread evenly around the circle and whose clouds do not tell the
+  ///         directions. Valid until the next call.
   const std::vector<geometry::Vec3f>& find(const RawCloudView& cloud);
 
  private:
@@ -61,6 +62,7 @@ class OpenBeams {
   void reset(std::uint32_t rows, std::uint32_t columns);
   void learn(const RawCloudView& cloud);
   void mark_returns(const RawCloudView& cloud);
+  void find_told(const RawCloudView& cloud);
   bool choose_turn();
   void spread_to_all_rows();
   bool is_open(int row, int column) const;

@@ -9,12 +9,13 @@
 
 namespace voxnav::cloud {
 
-/// One turn of a LiDAR, the form in which all parts after the filter take clouds: points with their times, and open
-/// beams.
+/// One turn of a LiDAR or one image of a depth camera, the form in which all parts after the filter take clouds: points
+/// with their times, and open beams.
 struct Sweep {
   base::StampNs stamp_ns = 0;           ///< stamp of the message, which nodes report when they have processed it
   base::StampNs start_ns = 0;           ///< when the sweep began: the stamp, or earlier when point times are negative
-  std::string frame;                    ///< L, the frame of the points; empty where only one sensor is meant
+  std::string frame;                    ///< L, the frame of the points; empty where the sensor alone tells the mount
+  std::size_t sensor = 0;               ///< number of the sensor among those of the vehicle
   std::vector<geometry::Vec3f> points;  ///< m, each as the sensor saw it at its time; may be not finite
   std::vector<std::uint32_t> time_offsets_ns;  ///< of each point, after start_ns; all zero when the cloud has no times
   std::uint32_t duration_ns = 0;               ///< the largest of them

@@ -66,10 +66,11 @@ class LocalMap {
   /// @param T_W_L            pose of the sensor in the frame of the map
   /// @param no_return_directions_L  directions of beams without return (of any length but zero), along which
   ///                         no_return_range_m is cleared
+  /// @param limits           of the sensor, if they are narrower than those of the map
   /// @throws std::invalid_argument when the pose is not finite, not rigid or beyond the reach of voxel indices
   /// O(points + voxels crossed).
   InsertStatistics insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
-                          const geometry::PointsView& no_return_directions_L = {});
+                          const geometry::PointsView& no_return_directions_L = {}, const ScanLimits& limits = {});
   /// Marks voxels whose centre lies within `radius_m` as free unless they are occupied, because the vehicle is there.
   std::size_t mark_free(const geometry::Vec3& center, double radius_m);
   /// Sets voxels to given log-odds, for example those of another map. Voxels outside the window are left out, and no

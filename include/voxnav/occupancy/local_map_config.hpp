@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,15 @@ struct LocalMapConfig {
   /// The upper bound of the memory that a map of this configuration can allocate, without some bytes for each point of
   /// a scan.
   double worst_case_bytes() const;
+};
+
+/// How far the sensor of a scan is believed, within what the configuration of the map allows.
+struct ScanLimits {
+  double max_range_m = std::numeric_limits<double>::infinity();        ///< farther points only clear up to here
+  double no_return_range_m = std::numeric_limits<double>::infinity();  ///< beams without return clear up to here
+  /// Standard deviation of a range. A beam counts against hits that are known only if it ends another two of these
+  /// behind them, because it may have ended at them.
+  double range_noise_m = 0.0;
 };
 
 }  // namespace voxnav::occupancy

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
@@ -26,6 +28,27 @@ struct LoadControlConfig {
   }
 };
 
+/// What the mapper has to know of one sensor beside its mount. Limits of the map hold for all sensors.
+struct SensorConfig {
+  double max_range_m = 1000.0;
+  double no_return_range_m = 1000.0;
+  double range_noise_m = 0.0;
+  double max_rate_hz = 1000.0;
+
+  template <class V>
+  static void fields(V&& v) {
+    using C = SensorConfig;
+    v("max_range_m", &C::max_range_m, base::in(0.1, 1000.0), "m",
+      "farther points of this sensor only clear up to here; map/max_range_m limits it as well");
+    v("no_return_range_m", &C::no_return_range_m, base::in(0.0, 1000.0), "m",
+      "its beams without return clear up to here; map/no_return_range_m limits it as well");
+    v("range_noise_m", &C::range_noise_m, base::in(0.0, 10.0), "m",
+      "standard deviation of its ranges at max_range_m, if it is no small part of a voxel: surfaces are not cleared by "
+      "beams that may have ended at them");
+    v("max_rate_hz", &C::max_rate_hz, base::in(0.1, 1000.0), "Hz", "its scans that come faster are left out");
+  }
+};
+
 /// Parameters of Mapper; the parts of the pipeline have configurations of their own.
 struct MapperConfig {
   bool use_deskew = true;
@@ -37,6 +60,8 @@ struct MapperConfig {
   occupancy::LocalMapConfig map;
   SubmapSchedulerConfig submap;
   LoadControlConfig load;
+  /// The sensors, by cloud::Sweep::sensor; at least one. The mapper's own odometry follows the first.
+  std::vector<SensorConfig> sensors{SensorConfig{}};
   /// If set, the mapper's own LiDAR odometry estimates the poses; else they are added from elsewhere.
   std::optional<odometry::LidarOdometryConfig> odometry;
   /// Id of the first submap; if not set, the seconds of its first stamp, so that a restarted node continues with new
@@ -47,7 +72,8 @@ struct MapperConfig {
   static void fields(V&& v) {
     using C = MapperConfig;
     v("use_deskew", &C::use_deskew, base::any(), "", "undo the motion within a sweep where points carry their time");
-    v("max_pending_scans", &C::max_pending_scans, base::in(1, 1000), "", "scans that may wait for their pose");
+    v("max_pending_scans", &C::max_pending_scans, base::in(1, 1000), "",
+      "scans of each sensor that may wait for their pose");
     v("max_jump_m", &C::max_jump_m, base::in(0.1, 10000.0), "m",
       "a pose that jumps farther between scans clears the map");
     v("max_pose_gap_s", &C::max_pose_gap_s, base::in(0.01, 10.0), "s",
@@ -56,6 +82,7 @@ struct MapperConfig {
     v("vehicle_radius_m", &C::vehicle_radius_m, base::in(0.0, 10.0), "m",
       "voxels this near to the body are marked as free unless they are occupied; 0 = off");
   }
+  std::vector<std::string> problems() const;
 };
 
 }  // namespace voxnav::pipeline

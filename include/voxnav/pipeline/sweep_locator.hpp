@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,7 +64,7 @@ class SweepLocator {
   virtual SweepLocation locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const = 0;
 };
 
-/// Locates the sweeps of one sensor by stamped poses of the body on which it is mounted.
+/// Locates sweeps by stamped poses of the body on which their sensors are mounted.
 class PoseLocator final : public SweepLocator {
  public:
   PoseLocator();
@@ -70,7 +72,8 @@ class PoseLocator final : public SweepLocator {
   PoseLocator(PoseLocator&&) noexcept;
   PoseLocator& operator=(PoseLocator&&) noexcept;
 
-  void set_mount(const geometry::Pose& T_B_L) { T_B_L_ = T_B_L; }
+  /// @param sensor  see cloud::Sweep::sensor
+  void set_mount(const geometry::Pose& T_B_L, std::size_t sensor = 0);
   /// Poses farther apart than this do not tell where the body was between them; without a limit all do.
   void set_max_gap(std::optional<base::StampNs> max_gap_ns);
   /// @return false for a pose that is refused: late, alone on another clock, or not rigid
@@ -81,7 +84,7 @@ class PoseLocator final : public SweepLocator {
 
  private:
   std::unique_ptr<geometry::PoseBuffer> poses_;
-  std::optional<geometry::Pose> T_B_L_;
+  std::map<std::size_t, geometry::Pose> mounts_;  // T_B_L of each sensor whose mount is known
 };
 
 }  // namespace voxnav::pipeline

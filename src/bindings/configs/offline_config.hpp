@@ -3,6 +3,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -23,6 +24,7 @@ constexpr auto words_of(MountSource) { return std::array{"auto", "recording", "g
 /// Parameters of the offline runner (scripts/map_bag) beside those of the parts that it runs.
 struct OfflineConfig {
   std::string cloud_topic;
+  std::vector<std::string> further_cloud_topics;
   std::string odometry_topic;
   std::string imu_topic;
   PoseSource pose_source = PoseSource::kAuto;
@@ -37,6 +39,8 @@ struct OfflineConfig {
     using C = OfflineConfig;
     v("cloud_topic", &C::cloud_topic, base::any(), "",
       "topic of the clouds in a bag; empty = chosen by fields, rate and extent");
+    v("further_cloud_topics", &C::further_cloud_topics, base::any(), "",
+      "topics of the clouds of other sensors, which are mapped as well; where they sit is as the transforms say");
     v("odometry_topic", &C::odometry_topic, base::any(), "",
       "topic of body poses in a bag; empty = chosen by mount and rate");
     v("imu_topic", &C::imu_topic, base::any(), "", "topic of the IMU in a bag; empty = chosen by mount and rate");

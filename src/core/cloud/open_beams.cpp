@@ -38,6 +38,11 @@ const std::vector<Vec3f>& OpenBeams::find(const RawCloudView& cloud) {
   directions_.clear();
   if (!cloud.is_organised() || cloud.width() < kColumnStride) return directions_;
   if (cloud.height() != rows_ || cloud.width() != columns_) reset(cloud.height(), cloud.width());
+  if (cloud.access().beam) {
+    mark_returns(cloud);
+    find_told(cloud);
+    return directions_;
+  }
   learn(cloud);
   if (!choose_turn()) return directions_;
   spread_to_all_rows();
@@ -55,6 +60,19 @@ const std::vector<Vec3f>& OpenBeams::find(const RawCloudView& cloud) {
     }
   }
   return directions_;
+}
+
+void OpenBeams::find_told(const RawCloudView& cloud) {
+  const std::array<FieldAccess, 3>& beam = *cloud.access().beam;
+  for (int r = 0; r < static_cast<int>(rows_); r += config_.row_step) {
+    for (int c = 0; c < static_cast<int>(columns_); c += config_.column_step) {
+      if (!is_open(r, c)) continue;
+      const std::uint8_t* point =
+          cloud.row(static_cast<std::uint32_t>(r)) + static_cast<std::size_t>(c) * cloud.point_step();
+      const Vec3f direction(read_float(point, beam[0]), read_float(point, beam[1]), read_float(point, beam[2]));
+      if (direction.allFinite() && !direction.isZero(0.0F)) directions_.push_back(direction.normalized());
+    }
+  }
 }
 
 void OpenBeams::reset(std::uint32_t rows, std::uint32_t columns) {

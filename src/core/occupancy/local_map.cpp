@@ -24,9 +24,11 @@ const LocalMapConfig& LocalMap::config() const { return impl_->config; }
 std::uint64_t LocalMap::sequence() const { return impl_->forest.sequence; }
 
 InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
-                                  const geometry::PointsView& no_return_directions_L) {
+                                  const geometry::PointsView& no_return_directions_L, const ScanLimits& limits) {
   const bool reachable = (T_W_L.translation().array().abs() < kMaxCells * impl_->config.resolution_m).all();
   if (!geometry::is_valid(T_W_L) || !reachable) throw std::invalid_argument("T_W_L is not a usable rigid transform");
+  if (!(limits.max_range_m > 0.0) || !(limits.range_noise_m >= 0.0))
+    throw std::invalid_argument("a scan needs a positive max_range_m, and no negative range_noise_m");
   OctreeForest& forest = impl_->forest;
   InsertStatistics statistics;
   statistics.points = points_L.size();
@@ -35,7 +37,7 @@ InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const ge
   statistics.window_cleared = move.jumped;
   impl_->keep(std::move(move.evicted), &statistics);
   forest.recent_scans = std::min(forest.recent_scans + 1, SurfaceLeaf::kMaxNumber);
-  impl_->insertion.run({points_L, no_return_directions_L, T_W_L}, &forest, &statistics);
+  impl_->insertion.run({points_L, no_return_directions_L, T_W_L, limits}, &forest, &statistics);
   return statistics;
 }
 

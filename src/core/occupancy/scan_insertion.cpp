@@ -28,22 +28,27 @@ ScanInsertion::ScanInsertion(const LocalMapConfig& config)
       workers_(std::make_unique<base::WorkerPool>(config.num_threads)) {}
 
 void ScanInsertion::run(const SensorScan& scan, OctreeForest* forest, InsertStatistics* statistics) {
-  const ScanFrame frame = frame_of(scan.T_W_L, *forest);
+  const ScanFrame frame = frame_of(scan, *forest);
   collect_points(scan.points_L, frame, statistics);
   collect_no_returns(scan, frame);
   sort_ends(scan.points_L, frame);
   cast_rays(forest->to_window(scan.T_W_L.translation()), *forest);
-  update_blocks(frame, forest, statistics);
+  update_blocks(frame, guard_end_voxels(scan), forest, statistics);
 }
 
-ScanFrame ScanInsertion::frame_of(const geometry::Pose& T_W_L, const OctreeForest& forest) const {
+/// How far behind hits a beam has to end to count against them: twice the noise of its range farther than another.
+float ScanInsertion::guard_end_voxels(const SensorScan& scan) const {
+  return static_cast<float>(config_.guard_end_voxels + 2.0 * scan.limits.range_noise_m / config_.resolution_m);
+}
+
+ScanFrame ScanInsertion::frame_of(const SensorScan& scan, const OctreeForest& forest) const {
   ScanFrame frame;
-  frame.rotation = (T_W_L.linear() / config_.resolution_m).cast<float>();
-  frame.origin = forest.to_window(T_W_L.translation()).cast<float>();
+  frame.rotation = (scan.T_W_L.linear() / config_.resolution_m).cast<float>();
+  frame.origin = forest.to_window(scan.T_W_L.translation()).cast<float>();
   frame.low = Eigen::Array3f::Constant(kBorderVoxels);
   frame.high = size_in_voxels(forest.window).array().cast<float>() - kBorderVoxels;
   frame.nearest_m = static_cast<float>(std::max(config_.min_range_m, kZeroRangeM));
-  frame.farthest_m = static_cast<float>(config_.max_range_m);
+  frame.farthest_m = static_cast<float>(std::min(config_.max_range_m, scan.limits.max_range_m));
   frame.clear_beyond_range = config_.clear_beyond_range;
   return frame;
 }
@@ -70,8 +75,9 @@ void ScanInsertion::collect_points(const geometry::PointsView& points_L, const S
 
 void ScanInsertion::collect_no_returns(const SensorScan& scan, const ScanFrame& frame) {
   no_return_ends_.clear();
-  if (config_.no_return_range_m <= 0.0) return;
-  const double length = std::min(config_.no_return_range_m, config_.max_range_m) / config_.resolution_m;
+  const double length_m = std::min({config_.no_return_range_m, scan.limits.no_return_range_m, config_.max_range_m});
+  if (length_m <= 0.0) return;
+  const double length = length_m / config_.resolution_m;
   for (std::size_t i = 0; i < scan.no_return_directions_L.size(); ++i) {
     const geometry::Vec3 direction = scan.no_return_directions_L[i].cast<double>();
     const double norm = direction.norm();
@@ -141,9 +147,10 @@ BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight&
 }
 
 /// Updates the blocks that rays cross. These include all blocks with hits, as every ray crosses the block of its end.
-void ScanInsertion::update_blocks(const ScanFrame& frame, OctreeForest* forest, InsertStatistics* statistics) {
+void ScanInsertion::update_blocks(const ScanFrame& frame, float end_voxels, OctreeForest* forest,
+                                  InsertStatistics* statistics) {
   const MissGuard guard{static_cast<float>(config_.guard_sigmas), static_cast<float>(config_.guard_spread_voxels),
-                        static_cast<float>(config_.guard_end_voxels), config_.guard_octants, config_.guard_patience};
+                        end_voxels, config_.guard_octants, config_.guard_patience};
   const SurfaceSight sight(beams_, frame, static_cast<float>(config_.resolution_m), guard);
   std::vector<BlockUpdate> updates(parts_.size());
   base::SharedItems blocks(box_.num_blocks(), kBlocksAtOnce);

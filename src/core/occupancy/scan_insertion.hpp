@@ -20,6 +20,7 @@ struct SensorScan {
   geometry::PointsView points_L;
   geometry::PointsView no_return_directions_L;
   geometry::Pose T_W_L;
+  ScanLimits limits;
 };
 
 /// Inserts scans as hits and misses into an octree forest whose window has already been moved to the sensor. The
@@ -33,12 +34,13 @@ class ScanInsertion {
   std::size_t memory_bytes() const;
 
  private:
-  ScanFrame frame_of(const geometry::Pose& T_W_L, const OctreeForest& forest) const;
+  ScanFrame frame_of(const SensorScan& scan, const OctreeForest& forest) const;
+  float guard_end_voxels(const SensorScan& scan) const;
   void collect_points(const geometry::PointsView& points_L, const ScanFrame& frame, InsertStatistics* statistics);
   void collect_no_returns(const SensorScan& scan, const ScanFrame& frame);
   void sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame);
   void cast_rays(const geometry::Vec3& origin, const OctreeForest& forest);
-  void update_blocks(const ScanFrame& frame, OctreeForest* forest, InsertStatistics* statistics);
+  void update_blocks(const ScanFrame& frame, float end_voxels, OctreeForest* forest, InsertStatistics* statistics);
   void prefetch(std::uint32_t block, const OctreeForest& forest) const;
   BlockUpdate update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest) const;
 

@@ -2,12 +2,12 @@
 #include "voxnav/pipeline/mapper.hpp"
 
 #include <algorithm>
-#include <deque>
 #include <stdexcept>
 #include <utility>
 
 #include "pipeline/load_control.hpp"
-#include "pipeline/sweep_stamps.hpp"
+#include "pipeline/map_clock.hpp"
+#include "pipeline/sweep_queue.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/odometry/imu_gate.hpp"
 
@@ -25,17 +25,16 @@ std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_sec
 
 }  // namespace
 
+std::vector<std::string> MapperConfig::problems() const {
+  std::vector<std::string> out;
+  if (sensors.empty()) out.emplace_back("sensors must hold at least one");
+  for (const SensorConfig& sensor : sensors) {
+    for (const std::string& problem : base::problems_of(sensor)) out.push_back("sensors: " + problem);
+  }
+  return out;
+}
+
 struct Mapper::Impl {
-  struct Drop {
-    SweepFate fate;
-    std::string reason;
-  };
-  struct Waiting {
-    cloud::Sweep sweep;
-    std::optional<SweepPoses> poses;
-    double since_s = 0.0;
-    std::optional<Drop> drop;
-  };
   struct Mapped {
     base::StampNs stamp_ns;
     Pose T_O_B;
@@ -44,9 +43,10 @@ struct Mapper::Impl {
   Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator);
   void track(cloud::Sweep sweep, double now_s);
   void track_ready(double now_s);
-  void push(Waiting item);
-  void settle(Waiting* item) const;
-  void watch_clock(base::StampNs stamp_ns, MapperStep* step);
+  SweepQueue& queue_of(std::size_t sensor);
+  void push(WaitingSweep waiting);
+  std::optional<std::size_t> next_sensor();
+  void map_sweep(WaitingSweep* waiting, MapperStep* step);
   bool awaits_level() const;
   void level();
   void watch_jump(const geometry::Vec3& body, MapperStep* step);
@@ -59,14 +59,12 @@ struct Mapper::Impl {
   SubmapScheduler scheduler;
   LoadControl load;
   PoseLocator own_locator;
-  const SweepLocator* locator;
+  SweepSettler settler;
   std::optional<odometry::LidarOdometry> odometry;
   odometry::ImuGate gate;
-  std::deque<Waiting> waiting;
-  bool has_ended = false;
+  std::vector<SweepQueue> queues;  // of each sensor
   bool expects_imu = false;
-  SweepStamps stamps;
-  std::optional<base::StampNs> newest_ns;
+  MapClock clock;
   std::optional<geometry::Vec3> last_body;
   bool mapped_any = false;
   std::optional<Mapped> mapped;  // the sweep that close_due() is still to be asked for
@@ -77,8 +75,10 @@ Mapper::Impl::Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const S
       map(config.map),
       scheduler(config.submap, config.first_submap_id),
       load(config.load),
-      locator(other_locator ? other_locator : &own_locator),
-      gate({config.odometry && config.odometry->use_imu}) {
+      settler{other_locator ? other_locator : &own_locator, config.use_deskew},
+      gate({config.odometry && config.odometry->use_imu}),
+      clock(config.sensors.size()) {
+  for (const SensorConfig& sensor : config.sensors) queues.emplace_back(sensor);
   own_locator.set_mount(T_B_L);
   own_locator.set_max_gap(
       base::from_seconds(std::max(config.max_pose_gap_s, config.odometry ? kMaxOwnPoseGap_s : 0.0)));
@@ -95,57 +95,68 @@ void Mapper::Impl::track(cloud::Sweep sweep, double now_s) {
   level();
 }
 
-/// Whether poses are still given in a frame that will be turned upright. Sweeps wait for that, unless too many do.
+/// Whether poses are still given in a frame that will be turned upright. Sweeps wait for that, unless too many of the
+/// sensor do that tells the poses.
 bool Mapper::Impl::awaits_level() const {
   return expects_imu && odometry && odometry->num_map_voxels() > 0 && !odometry->is_level() && !mapped_any &&
-         waiting.size() <= kMaxUnlevel;
+         queues.front().size() <= kMaxUnlevel;
 }
 
 /// Turns the frame of the odometry upright as soon as the IMU shows where up is, as long as nothing is mapped in it.
 void Mapper::Impl::level() {
   if (!odometry || mapped_any) return;
-  const auto T_new_O = odometry->level(has_ended);
+  const auto T_new_O = odometry->level(settler.has_ended);
   if (!T_new_O) return;
   own_locator.move_frame(*T_new_O);
-  for (Waiting& item : waiting) item.poses.reset();
+  for (SweepQueue& queue : queues) queue.forget_poses();
 }
 
 void Mapper::Impl::track_ready(double now_s) {
   while (auto sweep = gate.next(now_s)) track(std::move(*sweep), now_s);
 }
 
-void Mapper::Impl::push(Waiting item) {
-  waiting.push_back(std::move(item));
-  if (waiting.size() <= static_cast<std::size_t>(config.max_pending_scans) || awaits_level()) return;
-  Waiting* oldest = nullptr;
-  int num_without_pose = 0;
-  for (Waiting& each : waiting) {
-    settle(&each);
-    if (each.poses || each.drop) continue;
-    if (!oldest) oldest = &each;
-    ++num_without_pose;
-  }
-  if (num_without_pose <= config.max_pending_scans) return;
-  oldest->drop = Drop{SweepFate::kCrowded, "more scans wait for their pose than max_pending_scans"};
+SweepQueue& Mapper::Impl::queue_of(std::size_t sensor) {
+  if (sensor < queues.size()) return queues[sensor];
+  throw std::invalid_argument("there is no sensor " + std::to_string(sensor) + ", but " +
+                              std::to_string(queues.size()));
 }
 
-/// Asks for the poses of a sweep that has none; gives it up when there will be none.
-void Mapper::Impl::settle(Waiting* item) const {
-  if (item->poses || item->drop) return;
-  SweepLocation found = locator->locate(item->sweep, config.use_deskew ? item->sweep.duration_ns : 0);
-  if (found.status == SweepLocation::Status::kKnown) {
-    item->poses = found.poses;
-  } else if (found.status == SweepLocation::Status::kNever || has_ended) {
-    item->drop = Drop{SweepFate::kNoPose, "there is no pose for it: " + found.problem};
+void Mapper::Impl::push(WaitingSweep waiting) {
+  SweepQueue& queue = queues[waiting.sweep.sensor];
+  queue.push(std::move(waiting));
+  const auto max_pending = static_cast<std::size_t>(config.max_pending_scans);
+  if (queue.size() <= max_pending || (awaits_level() && queue.size() <= kMaxUnlevel)) return;
+  queue.limit(max_pending, settler);
+}
+
+/// Returns the sensor whose oldest sweep is ready; if there are several, the one whose sweep began first.
+std::optional<std::size_t> Mapper::Impl::next_sensor() {
+  std::optional<std::size_t> out;
+  for (std::size_t i = 0; i < queues.size(); ++i) {
+    if (queues[i].empty()) continue;
+    WaitingSweep& oldest = queues[i].front();
+    if (!settler.has_ended && !oldest.drop && awaits_level()) continue;
+    settler.settle(&oldest);
+    if (oldest.is_settled() && (!out || oldest.sweep.start_ns < queues[*out].front().sweep.start_ns)) out = i;
   }
+  return out;
 }
 
 /// Only when time jumped back, which the sweeps after have confirmed, is the map of the future forgotten.
-void Mapper::Impl::watch_clock(base::StampNs stamp_ns, MapperStep* step) {
-  if (newest_ns && stamp_ns < *newest_ns - kMaxStampLagNs) {
-    clear("time jumped back from " + seconds(*newest_ns) + " to " + seconds(stamp_ns), step);
+void Mapper::Impl::map_sweep(WaitingSweep* waiting, MapperStep* step) {
+  const base::StampNs start_ns = waiting->sweep.start_ns;
+  const std::optional<base::StampNs> newest_ns = clock.newest_ns();
+  const MapClock::Verdict verdict = clock.add(step->sensor, start_ns);
+  if (verdict == MapClock::Verdict::kBehindOthers) {
+    step->fate = SweepFate::kLate;
+    step->reason = "its stamp is " + seconds(*newest_ns - start_ns) + " s behind those of the other sensors";
+    return;
   }
-  newest_ns = stamp_ns;
+  if (verdict == MapClock::Verdict::kJumpedBack)
+    clear("time jumped back from " + seconds(*newest_ns) + " to " + seconds(start_ns), step);
+  step->leads = clock.leads(step->sensor, start_ns);
+  watch_jump(waiting->poses->T_O_B.translation(), step);
+  insert(&waiting->sweep, *waiting->poses, step);
 }
 
 void Mapper::Impl::watch_jump(const geometry::Vec3& body, MapperStep* step) {
@@ -174,12 +185,14 @@ void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperSt
   }
   float* first = sweep->points.empty() ? nullptr : sweep->points.front().data();
   deskew({first, sweep->points.size(), 3}, sweep->time_offsets_ns, poses.motion);
+  const SensorConfig& sensor = queues[sweep->sensor].config();
   step->statistics =
-      map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams));
+      map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams),
+                 {sensor.max_range_m, sensor.no_return_range_m, sensor.range_noise_m});
   if (config.vehicle_radius_m > 0.0) map.mark_free(poses.T_O_B.translation(), config.vehicle_radius_m);
   step->T_O_B = poses.T_O_B;
   mapped_any = true;
-  mapped = {sweep->start_ns, poses.T_O_B};
+  if (step->leads) mapped = {sweep->start_ns, poses.T_O_B};
 }
 
 Mapper::Mapper(const MapperConfig& config, const Pose& T_B_L, const SweepLocator* locator)
@@ -195,10 +208,15 @@ void Mapper::add_imu(const odometry::ImuSample& sample) {
 
 bool Mapper::add_pose(base::StampNs stamp_ns, const Pose& T_O_B) { return impl_->own_locator.add(stamp_ns, T_O_B); }
 
+void Mapper::set_mount(std::size_t sensor, const Pose& T_B_L) {
+  impl_->queue_of(sensor);
+  impl_->own_locator.set_mount(T_B_L, sensor);
+}
+
 void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& poses, double now_s) {
-  if (const auto problem = impl_->stamps.refuse(sweep.start_ns, poses.has_value())) {
-    impl_->push({std::move(sweep), std::nullopt, now_s, Impl::Drop{SweepFate::kLate, *problem}});
-  } else if (poses || !impl_->odometry) {
+  if (const auto problem = impl_->queue_of(sweep.sensor).stamps().refuse(sweep.start_ns, poses.has_value())) {
+    impl_->push({std::move(sweep), std::nullopt, now_s, WaitingSweep::Drop{SweepFate::kLate, *problem}});
+  } else if (poses || !impl_->odometry || sweep.sensor != 0) {
     impl_->push({std::move(sweep), poses, now_s, std::nullopt});
   } else {
     impl_->gate.add(std::move(sweep), 0.0);
@@ -207,16 +225,11 @@ void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& pose
 }
 
 void Mapper::drop_overdue(double now_s, double timeout_s) {
-  for (Impl::Waiting& item : impl_->waiting) {
-    impl_->settle(&item);
-    if (item.poses || item.drop || now_s - item.since_s <= timeout_s) continue;
-    const std::string problem = impl_->locator->locate(item.sweep, item.sweep.duration_ns).problem;
-    item.drop = Impl::Drop{SweepFate::kNoPose, "no pose within " + std::to_string(timeout_s) + " s: " + problem};
-  }
+  for (SweepQueue& queue : impl_->queues) queue.drop_overdue(now_s, timeout_s, impl_->settler);
 }
 
 void Mapper::end_input() {
-  impl_->has_ended = true;
+  impl_->settler.has_ended = true;
   while (auto sweep = impl_->gate.take_oldest()) impl_->track(std::move(*sweep), 0.0);
   impl_->level();
 }
@@ -225,28 +238,21 @@ void Mapper::expect_imu() { impl_->expects_imu = impl_->config.odometry && impl_
 
 bool Mapper::is_waiting_for_imu() const { return !impl_->gate.empty(); }
 
-bool Mapper::has_next() {
-  if (impl_->waiting.empty()) return false;
-  Impl::Waiting& oldest = impl_->waiting.front();
-  if (!impl_->has_ended && !oldest.drop && impl_->awaits_level()) return false;
-  impl_->settle(&oldest);
-  return oldest.poses || oldest.drop;
-}
+bool Mapper::has_next() { return impl_->next_sensor().has_value(); }
 
 MapperStep Mapper::next() {
-  if (!has_next()) throw std::logic_error("Mapper::next(): no sweep is ready");
-  Impl::Waiting oldest = std::move(impl_->waiting.front());
-  impl_->waiting.pop_front();
+  const std::optional<std::size_t> sensor = impl_->next_sensor();
+  if (!sensor) throw std::logic_error("Mapper::next(): no sweep is ready");
+  WaitingSweep oldest = impl_->queues[*sensor].pop();
   MapperStep step;
   step.stamp_ns = oldest.sweep.stamp_ns;
+  step.sensor = *sensor;
   impl_->mapped.reset();
   if (oldest.drop) {
     step.fate = oldest.drop->fate;
     step.reason = oldest.drop->reason;
   } else {
-    impl_->watch_clock(oldest.sweep.start_ns, &step);
-    impl_->watch_jump(oldest.poses->T_O_B.translation(), &step);
-    impl_->insert(&oldest.sweep, *oldest.poses, &step);
+    impl_->map_sweep(&oldest, &step);
   }
   return step;
 }
@@ -271,7 +277,7 @@ occupancy::LocalMap& Mapper::map() { return impl_->map; }
 
 const occupancy::LocalMap& Mapper::map() const { return impl_->map; }
 
-std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->newest_ns; }
+std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->clock.newest_ns(); }
 
 std::vector<std::string> Mapper::odometry_problems() const {
   return impl_->odometry ? impl_->odometry->problems() : std::vector<std::string>();

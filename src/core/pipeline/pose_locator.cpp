@@ -21,6 +21,8 @@ PoseLocator::~PoseLocator() = default;
 PoseLocator::PoseLocator(PoseLocator&&) noexcept = default;
 PoseLocator& PoseLocator::operator=(PoseLocator&&) noexcept = default;
 
+void PoseLocator::set_mount(const geometry::Pose& T_B_L, std::size_t sensor) { mounts_[sensor] = T_B_L; }
+
 void PoseLocator::set_max_gap(std::optional<base::StampNs> max_gap_ns) { poses_->set_max_gap_ns(max_gap_ns); }
 
 bool PoseLocator::add(base::StampNs stamp_ns, const geometry::Pose& T_O_B) { return poses_->add(stamp_ns, T_O_B); }
@@ -29,7 +31,8 @@ void PoseLocator::move_frame(const geometry::Pose& T_new_O) { poses_->move_frame
 
 SweepLocation PoseLocator::locate(const cloud::Sweep& sweep, std::uint32_t duration_ns) const {
   SweepLocation out;
-  if (!T_B_L_) {
+  const auto mount = mounts_.find(sweep.sensor);
+  if (mount == mounts_.end()) {
     out.problem = "the sensor's mounting is unknown";
     return out;
   }
@@ -38,7 +41,7 @@ SweepLocation PoseLocator::locate(const cloud::Sweep& sweep, std::uint32_t durat
   const auto end = poses_->at(sweep.start_ns + duration_ns);
   if (start && middle && end) {
     out.status = SweepLocation::Status::kKnown;
-    out.poses = {{*start * *T_B_L_, *end * *T_B_L_, duration_ns}, *middle};
+    out.poses = {{*start * mount->second, *end * mount->second, duration_ns}, *middle};
   } else if (poses_->is_before_all(sweep.start_ns)) {
     out.status = SweepLocation::Status::kNever;
     out.problem = "all poses are newer than its start";

@@ -3,6 +3,8 @@
 
 #include <map>
 
+#include "sensor_mount.hpp"
+
 namespace voxnav_simulation {
 namespace {
 
@@ -56,14 +58,6 @@ std::vector<double> LidarConfig::elevations_rad() const {
   return out;
 }
 
-Pose LidarConfig::T_B_L() const {
-  Pose pose = Pose::Identity();
-  pose.linear() =
-      (Eigen::AngleAxisd(mount_rpy_rad[2], Vec3::UnitZ()) * Eigen::AngleAxisd(mount_rpy_rad[1], Vec3::UnitY()) *
-       Eigen::AngleAxisd(mount_rpy_rad[0], Vec3::UnitX()))
-          .toRotationMatrix();
-  pose.translation() = Vec3(mount_position_m[0], mount_position_m[1], mount_position_m[2]);
-  return pose;
-}
+Pose LidarConfig::T_B_L() const { return sensor_mount(mount_position_m, mount_rpy_rad); }
 
 }  // namespace voxnav_simulation

@@ -16,8 +16,16 @@ std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return a >= 0 ? (a + b -
 
 }  // namespace
 
-SweepScheduler::SweepScheduler(const LidarModel* model, bool is_instantaneous)
-    : model_(model), T_B_L_(model->config().T_B_L()), is_instantaneous_(is_instantaneous), history_(kMaxPoses) {}
+SweepScheduler::SweepScheduler(const LidarModel& model, bool is_instantaneous)
+    : SweepScheduler(model.sweep_ns(), model.config().T_B_L()) {
+  column_times_ns_.assign(static_cast<std::size_t>(model.config().columns), 0);
+  if (is_instantaneous) return;
+  for (std::size_t i = 0; i < column_times_ns_.size(); ++i)
+    column_times_ns_[i] = model.column_time_ns(static_cast<int>(i));
+}
+
+SweepScheduler::SweepScheduler(StampNs period_ns, const Pose& T_B_L)
+    : period_ns_(period_ns), column_times_ns_{0}, T_B_L_(T_B_L), history_(kMaxPoses) {}
 
 void SweepScheduler::restart() {
   history_ = PoseHistory(kMaxPoses);
@@ -38,25 +46,20 @@ void SweepScheduler::add_truth(const voxnav::geometry::StampedPose& T_W_B) {
     ++counts_.time_jumps;
     next_index_.reset();
   }
-  if (!next_index_) next_index_ = ceil_div(T_W_B.stamp_ns, model_->sweep_ns());
+  if (!next_index_) next_index_ = ceil_div(T_W_B.stamp_ns, period_ns_);
 }
 
 std::optional<SimulatedSweep> SweepScheduler::next() {
   if (!next_index_) return std::nullopt;
-  const std::int64_t first_known = ceil_div(history_.oldest_ns().value(), model_->sweep_ns());
+  const std::int64_t first_known = ceil_div(history_.oldest_ns().value(), period_ns_);
   next_index_ = std::max(*next_index_, first_known);
-  const auto time_of = [&](int column) {
-    return is_instantaneous_ ? StampNs{0} : StampNs{model_->column_time_ns(column)};
-  };
-  const int columns = model_->config().columns;
   SimulatedSweep sweep;
-  sweep.start_ns = *next_index_ * model_->sweep_ns();
+  sweep.start_ns = *next_index_ * period_ns_;
   sweep.index = static_cast<std::uint64_t>(*next_index_);
-  if (sweep.start_ns + time_of(columns - 1) > *history_.newest_ns()) return std::nullopt;
-  sweep.T_W_L.reserve(static_cast<std::size_t>(columns));
-  for (int column = 0; column < columns; ++column) {
-    sweep.T_W_L.push_back(history_.at(sweep.start_ns + time_of(column)).value() * T_B_L_);
-  }
+  if (sweep.start_ns + column_times_ns_.back() > *history_.newest_ns()) return std::nullopt;
+  sweep.T_W_L.reserve(column_times_ns_.size());
+  for (const StampNs time_ns : column_times_ns_)
+    sweep.T_W_L.push_back(history_.at(sweep.start_ns + time_ns).value() * T_B_L_);
   ++*next_index_;
   return sweep;
 }

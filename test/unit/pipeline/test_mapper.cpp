@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "room_world.hpp"
+#include "hall_flight.hpp"
 #include "voxnav/pipeline/mapper.hpp"
 
 namespace {
@@ -15,24 +15,10 @@ using pipeline::Mapper;
 using pipeline::MapperConfig;
 using pipeline::MapperStep;
 using pipeline::SweepFate;
-using test::RoomWorld;
-using Motion = std::function<Pose(double)>;
-
-base::StampNs stamp_of(double t) { return base::from_seconds(1000.0 + t); }
-
-Pose line(double t) { return geometry::from_position_yaw(Vec3(1.5 * t, 0, 0), 0.4 * t); }
-
-cloud::Sweep sweep_at(double t, const Motion& motion = line) {
-  const test::RoomSweep seen = test::sweep_of(RoomWorld::hall(), motion, t, 0.0, 1);
-  cloud::Sweep out;
-  out.stamp_ns = out.start_ns = stamp_of(t);
-  out.points = seen.points_L;
-  for (const float time_s : seen.times_s) {
-    out.time_offsets_ns.push_back(static_cast<std::uint32_t>(std::lround(time_s * 1e9)));
-    out.duration_ns = std::max(out.duration_ns, out.time_offsets_ns.back());
-  }
-  return out;
-}
+using test::line;
+using test::Motion;
+using test::stamp_of;
+using test::sweep_at;
 
 std::vector<MapperStep> all_steps(Mapper* mapper, std::vector<pipeline::Handover>* handovers = nullptr) {
   std::vector<MapperStep> out;
@@ -77,17 +63,9 @@ TEST(Mapper, DeskewsPointsByTheMotionWithinTheSweep) {
   }
   const std::vector<float> points = mapper.map().occupied_points();
   ASSERT_GT(points.size(), 300u);
-  const RoomWorld world = RoomWorld::hall();
   for (std::size_t i = 0; i < points.size(); i += 3) {
     const Vec3 p(points[i], points[i + 1], points[i + 2]);
-    double nearest = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      nearest = std::min({nearest, std::abs(p[axis] - world.room.min[axis]), std::abs(p[axis] - world.room.max[axis])});
-    }
-    for (const geometry::Aabb& box : world.boxes) {
-      nearest = std::min(nearest, (p - p.cwiseMax(box.min).cwiseMin(box.max)).norm());
-    }
-    EXPECT_LT(nearest, 0.1) << p.transpose();
+    EXPECT_LT(test::hall_distance_m(p), 0.1) << p.transpose();
   }
 }
 

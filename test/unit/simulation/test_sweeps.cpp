@@ -39,7 +39,7 @@ std::vector<SimulatedSweep> feed(SweepScheduler* scheduler, StampNs from, StampN
 
 TEST(SweepScheduler, TurnsStartAtWholeMultiplesAndSeeThePoseOfEachColumn) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, false);
+  SweepScheduler scheduler(model, false);
   const auto sweeps = feed(&scheduler, 1030 * kMs, 1500 * kMs);
   ASSERT_EQ(sweeps.size(), 4u);
   EXPECT_EQ(sweeps[0].start_ns, 1100 * kMs);
@@ -53,7 +53,7 @@ TEST(SweepScheduler, TurnsStartAtWholeMultiplesAndSeeThePoseOfEachColumn) {
 
 TEST(SweepScheduler, ReturnsATurnAsSoonAsTruePosesCoverIt) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, false);
+  SweepScheduler scheduler(model, false);
   EXPECT_TRUE(feed(&scheduler, 0, 95 * kMs).empty());
   scheduler.add_truth(truth_at(100 * kMs));
   EXPECT_TRUE(scheduler.next().has_value());
@@ -62,7 +62,7 @@ TEST(SweepScheduler, ReturnsATurnAsSoonAsTruePosesCoverIt) {
 
 TEST(SweepScheduler, InstantaneousTurnsSeeOnePose) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, true);
+  SweepScheduler scheduler(model, true);
   const auto sweeps = feed(&scheduler, 100 * kMs, 100 * kMs);
   ASSERT_EQ(sweeps.size(), 1u);
   EXPECT_NEAR(sweeps[0].T_W_L[99].translation().x(), 0.1, 1e-12);
@@ -70,7 +70,7 @@ TEST(SweepScheduler, InstantaneousTurnsSeeOnePose) {
 
 TEST(SweepScheduler, DoesNotInventMotionAcrossAGap) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, false);
+  SweepScheduler scheduler(model, false);
   feed(&scheduler, 0, 150 * kMs);
   const auto sweeps = feed(&scheduler, 520 * kMs, 800 * kMs);
   ASSERT_FALSE(sweeps.empty());
@@ -80,7 +80,7 @@ TEST(SweepScheduler, DoesNotInventMotionAcrossAGap) {
 
 TEST(SweepScheduler, RestartsWhenTimeIsSetBack) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, false);
+  SweepScheduler scheduler(model, false);
   feed(&scheduler, 5000 * kMs, 5300 * kMs);
   const auto sweeps = feed(&scheduler, 0, 200 * kMs);
   ASSERT_EQ(sweeps.size(), 2u);
@@ -90,7 +90,7 @@ TEST(SweepScheduler, RestartsWhenTimeIsSetBack) {
 
 TEST(SweepScheduler, RefusesInvalidPoses) {
   const LidarModel model = small_model();
-  SweepScheduler scheduler(&model, false);
+  SweepScheduler scheduler(model, false);
   StampedPose broken = truth_at(0);
   broken.pose.translation().x() = std::nan("");
   scheduler.add_truth(broken);
