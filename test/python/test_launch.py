@@ -40,6 +40,37 @@ def test_the_launch_file_has_the_arguments_of_mrs_launch_files():
     assert any(pair[1].endswith("velodyne_points") for pair in remaps)
 
 
+def arguments_of(config, node):
+    return next(each for each in config.nodes if each.name == node).args
+
+
+@pytest.mark.parametrize("name", ["nodes", "voxnav", "bag"])
+def test_further_sensors_have_nodes_of_their_own_and_reach_the_mapper(name):
+    one = loaded(name)
+    assert one.params["/uav1/local_mapper/node/sensors"].value == ["lidar"]
+    more = loaded(name, "lidars:=rear=rear_os/points left=/x/points", "depth_cameras:=front=front/depth/image_rect_raw")
+    assert nodes_of(more) - nodes_of(one) == {"cloud_filter_rear", "cloud_filter_left", "cloud_filter_front",
+                                              "depth_cloud_front"}
+    assert more.params["/uav1/local_mapper/node/sensors"].value == ["lidar", "rear", "left", "front"]
+    assert more.params["/uav1/local_mapper/front/max_range_m"].value == 6.0
+    for sensor in ("rear", "left", "front"):
+        remap = "~%s/points_in:=cloud_filter_%s/points" % (sensor, sensor)
+        assert remap in arguments_of(more, "local_mapper").split()
+    remaps = {node.name: dict(node.remap_args) for node in more.nodes}
+    assert remaps["cloud_filter_left"]["~cloud_in"] == "/x/points"
+    assert remaps["depth_cloud_front"]["~camera_info_in"] == "front/depth/camera_info"
+    assert remaps["cloud_filter_front"]["~cloud_in"] == "depth_cloud_front/cloud"
+
+
+def test_the_simulation_waits_for_its_further_sensors():
+    config = loaded("simulation", "tilted_lidar:=true", "front_camera:=true", "lockstep:=true")
+    waited = config.params["/uav1/uav_simulator/node/lockstep_nodes"].value
+    assert set(waited) >= {"lidar_simulator_tilted", "depth_camera_simulator", "local_mapper/tilted",
+                           "local_mapper/front"}
+    assert {name for name in waited if "/" not in name} <= nodes_of(config)
+    assert config.params["/uav1/cloud_filter_tilted/filter/ghost_intensity"].value == 20.0
+
+
 @pytest.mark.parametrize("run_type", [None, "", "realworld", "uav", "Simulation", "simulation"])
 def test_time_is_simulated_only_where_run_type_is_simulation(run_type, monkeypatch):
     monkeypatch.delenv("RUN_TYPE", raising=False)
