@@ -7,6 +7,7 @@ from typing import Iterator, Sequence
 
 from voxnav.offline.bag_stream import BagStream
 from voxnav.offline.datasets import Imu, Odometry, Scan
+from voxnav.offline.sensors import MountedSensor
 from voxnav.recordings.bag_files import BagFiles
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.left_out import LeftOut
@@ -30,7 +31,8 @@ class Bag:
         self.T_B_L, self.origin_m = self.plan.mount.T_B_L, self.plan.origin_m
         self.has_poses = self.plan.odometry is not None
         self.has_imu = self.plan.imu is not None
-        self.num_scans = self.plan.cloud.topic.num
+        self.further = [MountedSensor(sensor.what, sensor.T_B_L) for sensor in self.plan.further]
+        self.num_scans = self.plan.cloud.topic.num + sum(sensor.topic.topic.num for sensor in self.plan.further)
         self.warnings = list(self.plan.warnings)
 
     def close(self) -> None:

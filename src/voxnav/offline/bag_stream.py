@@ -14,7 +14,8 @@ from voxnav.recordings.clocks import Stamped, TopicClock
 from voxnav.recordings.left_out import LeftOut
 from voxnav.recordings.lone_poses import LonePoses, Posed
 from voxnav.recordings.order import Ordered, TopicOrder
-from voxnav.recordings.plan import RecordingPlan
+from voxnav.recordings.plan import RecordingPlan, sweep_s_of
+from voxnav.recordings.problems import used_topics
 from voxnav.recordings.survey import TopicSurvey
 
 
@@ -24,10 +25,13 @@ class BagStream:
     def __init__(self, plan: RecordingPlan, files: BagFiles, left_out: LeftOut) -> None:
         assert plan.cloud is not None and plan.mount is not None
         self._plan, self._files, self._left_out = plan, files, left_out
-        self._R_B_I, self._sweep_ns = plan.mount.R_B_I, int(1e9 * plan.sweep_s)
-        used = [("cloud", plan.cloud), ("odometry", plan.odometry), ("IMU", plan.imu)]
-        self._topics: dict[str, TopicSurvey] = {topic.name: topic for _, topic in used if topic is not None}
-        self._what = {topic.name: what for what, topic in used if topic is not None}
+        self._R_B_I = plan.mount.R_B_I
+        used = used_topics(plan)
+        self._topics: dict[str, TopicSurvey] = {topic.name: topic for _, topic in used}
+        self._what = {topic.name: what for what, topic in used}
+        clouds = [plan.cloud] + [sensor.topic for sensor in plan.further]
+        self._sensors = {cloud.name: number for number, cloud in enumerate(clouds)}
+        self._sweep_ns = {cloud.name: int(1e9 * sweep_s_of(cloud)) for cloud in clouds}
         self._clocks = {name: TopicClock(self._what[name], left_out, topic.period_s, topic.offsets_ns)
                         for name, topic in self._topics.items()}
         self._order = TopicOrder(list(self._topics))
@@ -81,7 +85,7 @@ class BagStream:
             if pose is not None:
                 yield from self._order_poses(message.topic, self._lone_poses.add(pose))
             return
-        due_ns = stamped.stamp_ns + (self._sweep_ns if topic is self._plan.cloud else 0)
+        due_ns = stamped.stamp_ns + self._sweep_ns.get(message.topic, 0)
         for ready in self._order.add(message.topic, Ordered(due_ns, stamped.record_ns, len(message.data), stamped)):
             yield from self._record(ready)
 
@@ -125,8 +129,9 @@ class BagStream:
         what = self._what[message.topic]
         try:
             msg = message.make()
-            is_cloud = self._topics[message.topic] is self._plan.cloud
-            yield Scan(stamped.stamp_ns, None, msg, None) if is_cloud else self._imu(stamped.stamp_ns, msg)
+            sensor = self._sensors.get(message.topic)
+            yield (self._imu(stamped.stamp_ns, msg) if sensor is None
+                   else Scan(stamped.stamp_ns, None, msg, None, sensor))
         except ValueError as error:
             self._left_out.add(what, str(error), stamped.stamp_ns)
 

@@ -15,7 +15,7 @@ import voxnav
 from voxnav import files
 from voxnav.array_types import Array
 from voxnav.offline.bag import Bag
-from voxnav.offline.configs import given_mount, load_files, options_of
+from voxnav.offline.configs import given_mount, load_files, options_of, take_clouds
 from voxnav.offline.datasets import ScanFolder
 from voxnav.offline.outputs import write_outputs
 from voxnav.offline.runner import OfflineMapper
@@ -55,6 +55,8 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--scans", metavar="DIR", help="instead of bags: folder with scans/%%06d.bin and times.txt")
     parser.add_argument("--poses", metavar="FILE",
                         help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
+    parser.add_argument("--cloud", metavar="TOPIC", action="append", help="topic of the clouds of a LiDAR; may be "
+                        "given several times: all are mapped, and LiDAR odometry follows the first")
     parser.add_argument("--mount", metavar="'X Y Z ROLL PITCH YAW'", help="where the LiDAR sits on the body, in metres "
                         "and radians; without: as run/mount_source says, which is as the transforms of the bag do")
     parser.add_argument("--reference", metavar="FILE", help="TUM trajectory to measure errors against")
@@ -85,7 +87,8 @@ def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
             bar.update(done)
     mapper.end_input()
     mapper.left_out.take(dataset.left_out)
-    mapper.coverage.add_lost(dataset.left_out.count("cloud", but=REPEATED))
+    for sensor in mapper.sensors:
+        sensor.coverage.add_lost(dataset.left_out.count(sensor.what, but=REPEATED))
     mapper.warnings += dataset.warnings
     if not mapper.stamps:
         problems = mapper.left_out.lines() + mapper.warnings
@@ -95,12 +98,13 @@ def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     configs = load_files(args.config)
+    take_clouds(args.cloud, configs["run"])
     dataset, T_B_L = _dataset(args, configs)
     reference = None
     if args.reference:
         stamps, poses = files.read_tum(args.reference)
         reference = (stamps, poses[:, :3, 3])
-    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses)
+    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses, dataset.further)
     if dataset.has_imu:
         mapper.expect_imu()
     mapper.origin_m = dataset.origin_m

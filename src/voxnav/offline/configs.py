@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Any, Dict, Sequence
 
 import numpy as np
 import yaml
@@ -120,4 +120,11 @@ def options_of(configs: dict[str, Any], T_B_L: Array | None) -> BagOptions:
     """Returns the options for reading a bag."""
     settings = configs["run"]
     return BagOptions(settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L, settings.pose_source,
-                      configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s)
+                      configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s,
+                      tuple(settings.further_cloud_topics))
+
+
+def take_clouds(topics: Sequence[str] | None, settings: Any) -> None:
+    """Sets the topics of clouds that somebody gives, the LiDAR first. None leaves the configured ones."""
+    if topics:
+        settings.cloud_topic, settings.further_cloud_topics = topics[0], list(topics[1:])

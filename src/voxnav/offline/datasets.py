@@ -25,13 +25,15 @@ class Scan(NamedTuple):
     """One cloud.
 
     stamp_ns: the start of the sweep; points: (n, 4) float32 x y z intensity in frame L, or (h, w, 4) if organised;
-    raw: a message with its field layout instead of points; T_O_L: (4, 4), one pose for the scan.
+    raw: a message with its field layout instead of points; T_O_L: (4, 4), one pose for the scan;
+    sensor: the number of the sensor, as Sweep.sensor.
     """
 
     stamp_ns: int
     points: Array | None
     raw: Any
     T_O_L: Array | None
+    sensor: int = 0
 
 
 class Imu(NamedTuple):
@@ -73,6 +75,7 @@ class ScanFolder:
         self._poses = self._poses_at(poses) if poses else [None] * len(self._names)
         self.num_scans = len(self._names)
         self.has_poses = poses is not None
+        self.further: list[Any] = []  # it has one sensor
         self.has_imu = False
 
     def _read_times(self, path: str) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from typing import Any, Iterator
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 
@@ -14,8 +14,8 @@ from voxnav.array_types import Array
 from voxnav.offline.coverage import Coverage
 from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry, Scan
 from voxnav.offline.pose_gaps import PoseGaps, TrackedPose
+from voxnav.offline.sensors import MountedSensor, SensorInput
 from voxnav.optimizer_session import OptimizerSession, SubmapRecord
-from voxnav.recordings.cloud_samples import layout_of
 from voxnav.recordings.left_out import LeftOut
 
 
@@ -59,25 +59,26 @@ class OfflineMapper:
 
     Frames: O is the origin of the input poses, B the body; the poses of submaps are in W, the corrected frame.
     T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording has poses; else LiDAR odometry estimates them.
+    further: other sensors whose scans are mapped, too.
     """
 
-    def __init__(self, configs: dict[str, Any], T_B_L: Array, has_poses: bool) -> None:
+    def __init__(self, configs: dict[str, Any], T_B_L: Array, has_poses: bool,
+                 further: Sequence[MountedSensor] = ()) -> None:
         source = configs["run"].pose_source
         self._uses_odometry = source == voxnav.PoseSource.LIDAR or (source == voxnav.PoseSource.AUTO and not has_poses)
         self._assembler = voxnav.SubmapAssembler(configs["submap"])
-        T_B_L = voxnav.as_sent(np.ascontiguousarray(T_B_L))
-        self._T_L_B = np.linalg.inv(T_B_L)
+        self.sensors = [SensorInput(number, sensor, configs)
+                        for number, sensor in enumerate([MountedSensor("cloud", T_B_L)] + list(further))]
+        T_B_L = self.sensors[0].T_B_L
         # With "auto" the recorded poses are used, and LiDAR odometry fills their gaps. Without any it gives all poses.
         covers_gaps = source == voxnav.PoseSource.AUTO and not self._uses_odometry
         self.gaps = PoseGaps(configs["odometry"] if covers_gaps else None, T_B_L, configs["mapper"].max_pose_gap_s)
-        self.coverage = Coverage()
         self.left_out = LeftOut()
         self.page: list[str] = []  # the description of the recording, for people
         self.origin_m: Array | None = None  # was subtracted from the positions of the recording; None: nothing was
-        self.filter = voxnav.CloudFilter(configs["filter"])
-        self._pcl_filters = voxnav.make_pcl_filters(configs["pcl"])
-        self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
         self.mapper = voxnav.Mapper(self._mapper_config(configs), T_B_L)
+        for sensor in self.sensors[1:]:
+            self.mapper.set_mount(sensor.number, sensor.T_B_L)
         self.session = OptimizerSession(configs["graph"], configs["optimizer"])
         self.collection = voxnav.SubmapCollection(configs["collection"])
         self._has_ended = False
@@ -92,7 +93,13 @@ class OfflineMapper:
         out: voxnav.MapperConfig = configs["mapper"]
         out.map, out.submap = configs["map"], configs["schedule"]
         out.odometry = configs["odometry"] if self._uses_odometry else None
+        out.sensors = [voxnav.SensorConfig() for _ in self.sensors]
         return out
+
+    @property
+    def coverage(self) -> Coverage:
+        """That of the sensor of which most is missing."""
+        return min((sensor.coverage for sensor in self.sensors), key=lambda found: (found.is_enough, found.share))
 
     @property
     def map(self) -> voxnav.LocalMap:
@@ -129,7 +136,8 @@ class OfflineMapper:
         self.end_input()
         for handover in self.mapper.finish():
             self._take(handover)
-        for problem in [self.filter.point_times.problem] + self.mapper.odometry_problems:
+        times = [sensor.filter.point_times.problem for sensor in self.sensors]
+        for problem in times + self.mapper.odometry_problems:
             if problem:
                 self._warn(problem)
         with self.stages.time("graph, final solve"):
@@ -151,35 +159,23 @@ class OfflineMapper:
 
     def _add_scan(self, scan: Scan) -> None:
         """Adds a scan to the mapper. A cloud that cannot be read, or has no points left, is only counted."""
+        sensor = self.sensors[scan.sensor]
         try:
             with self.stages.time("filter"):
-                filtered, open_beams = self._filter(scan)
-                for pcl_filter in self._pcl_filters:
-                    with self.stages.time("pcl " + pcl_filter.name):
-                        pcl_filter.apply(filtered)
-                sweep = filtered.sweep(scan.stamp_ns, open_beams)
+                filtered, sweep = sensor.sweep(scan, self.stages.time)
         except ValueError as error:
-            return self._leave_out(1e-9 * scan.stamp_ns, str(error))
-        if not len(sweep.points) and (open_beams is None or not len(open_beams)):
-            return self._leave_out(1e-9 * scan.stamp_ns, "it has no points" if not filtered.total else
+            return self._leave_out(sensor, 1e-9 * scan.stamp_ns, str(error))
+        if not len(sweep.points) and not len(sweep.open_beams):
+            return self._leave_out(sensor, 1e-9 * scan.stamp_ns, "it has no points" if not filtered.total else
                                    "the filter keeps none of its points (%s)" % _reasons(filtered.counts))
         self.counts["points_in"] += filtered.total
         self.counts["points_kept"] += filtered.counts["kept"]
         timer = self.stages.time("odometry") if self._uses_odometry else contextlib.nullcontext()
         with timer:
-            if not self._uses_odometry and scan.T_O_L is None:
+            if not self._uses_odometry and scan.T_O_L is None and sensor.number == 0:
                 self._add_poses(self.gaps.add_sweep(sweep))
             T_O_L = None if self._uses_odometry else scan.T_O_L
-            self.mapper.queue_sweep(sweep, None if T_O_L is None else T_O_L @ self._T_L_B)
-
-    def _filter(self, scan: Scan) -> tuple[voxnav.FilterResult, Array | None]:
-        """Filters a scan. Returns the FilterResult, and the open beams (k, 3) or None."""
-        if scan.raw is None:
-            return self.filter.apply(np.ascontiguousarray(scan.points, dtype=np.float32)), None
-        layout = layout_of(scan.raw)
-        # By the stamp that the cloud bears: absolute times of its points are of the same clock.
-        filtered = self.filter.apply_raw(scan.raw.data, layout, stamp_ns=scan.raw.header.stamp.to_nsec())
-        return filtered, self._open_beams.find(scan.raw.data, layout) if self._open_beams else None
+            self.mapper.queue_sweep(sweep, None if T_O_L is None else T_O_L @ sensor.T_L_B)
 
     def _map_ready(self) -> None:
         """Maps the scans whose poses are known by now."""
@@ -194,22 +190,23 @@ class OfflineMapper:
                 self._note(step)
             else:
                 self.counts["scans_without_pose"] += 1
-                self._leave_out(step.stamp, step.reason)
+                self._leave_out(self.sensors[step.sensor], step.stamp, step.reason)
 
     def _note(self, step: Any) -> None:
         with self.stages.time("submap schedule"):
             handovers = self.mapper.close_due()
         for handover in handovers:
             self._take(handover)
-        self.stamps.append(step.stamp)
-        self.poses.append(step.T_O_B)
         self.counts["scans"] += 1
-        self.coverage.add(step.stamp, True)
-        self._note_memory(step.stamp)
+        self.sensors[step.sensor].coverage.add(step.stamp, True)
+        if step.leads:
+            self.stamps.append(step.stamp)
+            self.poses.append(step.T_O_B)
+            self._note_memory(step.stamp)
 
-    def _leave_out(self, stamp_s: float, reason: str) -> None:
-        self.coverage.add(stamp_s, False)
-        self.left_out.add("cloud", reason, int(1e9 * stamp_s))
+    def _leave_out(self, sensor: SensorInput, stamp_s: float, reason: str) -> None:
+        sensor.coverage.add(stamp_s, False)
+        self.left_out.add(sensor.what, reason, int(1e9 * stamp_s))
 
     def _warn(self, text: str) -> None:
         if len(self.warnings) < MAX_WARNINGS:

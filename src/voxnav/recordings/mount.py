@@ -49,6 +49,26 @@ def find_mount(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None,
     return Mount(T_B_L, R_B_I, body, how, notes)
 
 
+def find_further_mount(survey: Survey, cloud: TopicSurvey, other: TopicSurvey, mount: Mount) -> tuple[Array, str]:
+    """T_B_L (4, 4) of another sensor, by the transforms between it and the LiDAR, and where it is from, for people.
+
+    Raises DatasetError.
+    """
+    if other.frame == cloud.frame:
+        return mount.T_B_L, "its clouds are in the frame of the LiDAR"
+    chain = survey.frames.chain(cloud.frame, other.frame)
+    if chain is None:
+        survey.see_all_frames()
+        chain = survey.frames.chain(cloud.frame, other.frame)
+    if chain is None:
+        known = survey.frames.frames()
+        raise DatasetError(
+            "nothing says where the sensor of %s sits: there is no chain of transforms that do not move from '%s' "
+            "(frame of the clouds on %s) to '%s'; frames on /tf and /tf_static: %s; record these transforms, or leave "
+            "the topic out" % (other.name, cloud.frame, cloud.name, other.frame, ", ".join(known) if known else "none"))
+    return mount.T_B_L @ chain.T_A_B, "transforms " + " -> ".join(chain.frames)
+
+
 def _source_of(odometry: TopicSurvey | None, imu: TopicSurvey | None) -> str:
     if odometry is not None:
         return "child_frame_id on %s" % odometry.name

@@ -16,13 +16,19 @@ from voxnav.recordings.survey import TopicSurvey
 
 # Measured memory of the interpreter with the core, and of an entry in the index of rosbag.
 _BASE_MB, _INDEX_BYTES = 110.0, 700.0
+_ROWS = {"cloud": "clouds", "odometry": "odometry", "IMU": "IMU"}
 
 
 def page(plan: RecordingPlan, paths: Sequence[str], title: str = "recording") -> list[str]:
     """Returns the lines of the page, for people."""
     lines = _row(title, _files(plan, paths))
     for what, topic in used_topics(plan):
-        lines += _row({"cloud": "clouds"}.get(what, what), _topic_words(plan, what, topic))
+        if what in _ROWS:
+            lines += _row(_ROWS[what], _topic_words(plan, what, topic))
+    for sensor in plan.further:
+        x, y, z = sensor.T_B_L[:3, 3]
+        lines += _row("clouds", "%s; %d messages, '%s', at %.3f %.3f %.3f m on the body: %s" % (
+            sensor.topic.name, sensor.topic.topic.num, sensor.topic.frame, x, y, z, sensor.how))
     for what in ("odometry", "IMU"):
         if what not in [name for name, _ in used_topics(plan)] and plan.cloud is not None:
             lines += _row(what, plan.why[what] or "none")

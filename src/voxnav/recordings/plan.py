@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from voxnav.array_types import Array
 from voxnav.recordings import choice, origin
 from voxnav.recordings.bag_files import BagFiles
 from voxnav.recordings.errors import DatasetError
-from voxnav.recordings.mount import Mount, find_mount
+from voxnav.recordings.mount import Mount, find_further_mount, find_mount
 from voxnav.recordings.survey import Survey, TopicSurvey
 
 # The duration of a sweep is the time between clouds, limited to this range.
@@ -26,6 +26,7 @@ class BagOptions(NamedTuple):
 
     T_B_L: (4, 4) mount of the LiDAR on the body; None takes it from the transforms of the recording.
     max_pose_gap_s: the longest time between two poses over which they are interpolated.
+    further_cloud_topics: those of other sensors, which are mapped as well.
     """
 
     cloud_topic: str = ""
@@ -35,6 +36,20 @@ class BagOptions(NamedTuple):
     pose_source: voxnav.PoseSource = voxnav.PoseSource.AUTO
     use_imu: bool = True
     max_pose_gap_s: float = 0.3
+    further_cloud_topics: Tuple[str, ...] = ()
+
+
+class FurtherSensor(NamedTuple):
+    """Clouds that are mapped beside those of the LiDAR. T_B_L: (4, 4); how: where it is from, for people."""
+
+    topic: TopicSurvey
+    T_B_L: Array
+    how: str
+
+    @property
+    def what(self) -> str:
+        """How its clouds are called where they are left out."""
+        return "cloud on %s" % self.topic.name
 
 
 class RecordingPlan:
@@ -54,6 +69,7 @@ class RecordingPlan:
         self.imu: TopicSurvey | None = None
         self.why = {"clouds": "", "odometry": "", "IMU": ""}
         self.mount: Mount | None = None
+        self.further: list[FurtherSensor] = []
         self.origin_m: Array | None = None
         self._mount_notes: list[str] = []
         try:
@@ -77,6 +93,18 @@ class RecordingPlan:
         self.origin_m = origin.origin_of(self.odometry.poses if self.odometry else [])
         self.mount = find_mount(survey, self.cloud, self.odometry, self.imu, options.T_B_L)
         self._mount_notes = self.mount.notes
+        self.further = self._choose_further(self.cloud, self.mount)
+
+    def _choose_further(self, cloud: TopicSurvey, mount: Mount) -> list[FurtherSensor]:
+        out: list[FurtherSensor] = []
+        for name in self.options.further_cloud_topics:
+            topic = choice.choose_cloud(self.survey, name).topic
+            assert topic is not None
+            if topic is cloud or any(topic is other.topic for other in out):
+                raise DatasetError("clouds on %s are asked for twice" % topic.name)
+            T_B_L, how = find_further_mount(self.survey, cloud, topic, mount)
+            out.append(FurtherSensor(topic, T_B_L, how))
+        return out
 
     def _choose_odometry(self, cloud: TopicSurvey) -> choice.Choice:
         """Returns the choice of odometry, without a topic if LiDAR odometry is better or the only source of poses."""
@@ -108,8 +136,13 @@ class RecordingPlan:
     @property
     def sweep_s(self) -> float:
         """Returns the duration of a turn of the LiDAR by the rate of its clouds."""
-        period_s = self.cloud.stamp_period_s if self.cloud else None
-        return float(np.clip(period_s or 0.1, _MIN_SWEEP_S, _MAX_SWEEP_S))
+        return sweep_s_of(self.cloud)
+
+
+def sweep_s_of(cloud: TopicSurvey | None) -> float:
+    """Returns the duration of a turn of a sensor by the rate of its clouds."""
+    period_s = cloud.stamp_period_s if cloud else None
+    return float(np.clip(period_s or 0.1, _MIN_SWEEP_S, _MAX_SWEEP_S))
 
 
 def clock_distance_s(a: TopicSurvey, b: TopicSurvey) -> float:

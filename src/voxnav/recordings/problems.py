@@ -28,7 +28,8 @@ class Problem(NamedTuple):
 def used_topics(plan: RecordingPlan) -> list[tuple[str, TopicSurvey]]:
     """Returns the topics that are used, each with the name of its messages."""
     used = (("cloud", plan.cloud), ("odometry", plan.odometry), ("IMU", plan.imu))
-    return [(what, topic) for what, topic in used if topic is not None]
+    return ([(what, topic) for what, topic in used if topic is not None]
+            + [(sensor.what, sensor.topic) for sensor in plan.further])
 
 
 def problems_of(plan: RecordingPlan) -> list[Problem]:
@@ -39,6 +40,9 @@ def problems_of(plan: RecordingPlan) -> list[Problem]:
         out += _clock_problems(plan, what, topic) + _gap_problems(plan, what, topic)
     if plan.cloud is not None:
         out += _cloud_problems(plan.cloud) + _imu_problems(plan, plan.cloud)
+    for sensor in plan.further:
+        out += [Problem("%s: %s" % (sensor.topic.name, each.what), each.to_do)
+                for each in _cloud_problems(sensor.topic)]
     return out
 
 
@@ -64,9 +68,9 @@ def _clock_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[
 
 def _gap_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Problem]:
     limit_s = plan.options.max_pose_gap_s if topic is plan.odometry else 1.0
-    to_do = {"cloud": "nothing is mapped there; check cable, network and disk of the recorder",
-             "odometry": "LiDAR odometry covers it where run/pose_source is auto",
-             "IMU": "LiDAR odometry goes on without it there"}[what]
+    to_do = {"odometry": "LiDAR odometry covers it where run/pose_source is auto",
+             "IMU": "LiDAR odometry goes on without it there"}.get(
+                 what, "nothing of it is mapped there; check cable, network and disk of the recorder")
     gaps = [gap for gap in topic.gaps if gap.length_s > limit_s]
     if not gaps:
         return []
