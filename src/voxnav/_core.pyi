@@ -84,6 +84,7 @@ class CloudFilterConfig:
     unorganised_decimation: int
     cycle_decimation: bool
     remove_outliers: bool
+    outlier_max_range_m: float
     outlier_min_neighbours: int
     outlier_distance_m: float
     outlier_range_ratio: float
@@ -93,8 +94,8 @@ class CloudFilterConfig:
         body_center_m: Sequence[float] = ..., use_body_box: bool = ..., body_box_min_m: Sequence[float] = ...,
         body_box_max_m: Sequence[float] = ..., ghost_intensity: float = ..., ghost_range_m: float = ...,
         row_decimation: int = ..., column_decimation: int = ..., unorganised_decimation: int = ...,
-        cycle_decimation: bool = ..., remove_outliers: bool = ..., outlier_min_neighbours: int = ...,
-        outlier_distance_m: float = ..., outlier_range_ratio: float = ...
+        cycle_decimation: bool = ..., remove_outliers: bool = ..., outlier_max_range_m: float = ...,
+        outlier_min_neighbours: int = ..., outlier_distance_m: float = ..., outlier_range_ratio: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> CloudFilterConfig: ...

@@ -50,6 +50,7 @@ RawCloud forest_like_cloud() {
 
 CloudFilterConfig config() {
   CloudFilterConfig c;
+  c.remove_outliers = false;  // PCL has no such filter to compare with
   c.min_range_m = 0;
   c.max_range_m = kMaxRange_m;
   c.body_radius_m = 0;

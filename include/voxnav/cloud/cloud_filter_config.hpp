@@ -24,9 +24,10 @@ struct CloudFilterConfig {
   int column_decimation = 1;
   int unorganised_decimation = 1;
   bool cycle_decimation = false;
-  bool remove_outliers = false;
-  int outlier_min_neighbours = 1;
-  double outlier_distance_m = 0.2;
+  bool remove_outliers = true;
+  double outlier_max_range_m = 8.0;
+  int outlier_min_neighbours = 2;
+  double outlier_distance_m = 0.04;
   double outlier_range_ratio = 0.05;
 
   template <class V>
@@ -51,7 +52,9 @@ struct CloudFilterConfig {
     v("cycle_decimation", &C::cycle_decimation, base::any(), "",
       "start one row, column or point later with each scan, so that every beam is used in turn");
     v("remove_outliers", &C::remove_outliers, base::any(), "",
-      "organised clouds: drop returns without a neighbour at a similar range (rain, dust)");
+      "organised clouds: drop near returns without neighbours at a similar range (rain, dust), unless they are most");
+    v("outlier_max_range_m", &C::outlier_max_range_m, base::in(0, 1000), "m",
+      "farther returns are kept: a LiDAR sees drops only nearby, and leaves far away have no neighbours either");
     v("outlier_min_neighbours", &C::outlier_min_neighbours, base::in(1, 14), "",
       "neighbours that a return needs among the 14 nearest pixels (3 rows, 5 columns)");
     v("outlier_distance_m", &C::outlier_distance_m, base::in(0, 10), "m", "distance to a neighbour, constant part");

@@ -12,6 +12,24 @@ namespace {
 
 using Verdict = CloudFilter::Verdict;
 
+/// Pixels around one, in the order in which neighbours are likely: most returns need to look at two of them only.
+/// Source of the rule that a return needs neighbours within a distance that grows with its range: Charron, Phillips and
+/// Waslander, "De-noising of lidar point clouds corrupted by snowfall", CRV 2018, section III (DROR).
+constexpr std::array<std::array<int, 2>, 14> kNearestFirst{{{0, -1},
+                                                            {0, 1},
+                                                            {-1, 0},
+                                                            {1, 0},
+                                                            {-1, -1},
+                                                            {-1, 1},
+                                                            {1, -1},
+                                                            {1, 1},
+                                                            {0, -2},
+                                                            {0, 2},
+                                                            {-1, -2},
+                                                            {-1, 2},
+                                                            {1, -2},
+                                                            {1, 2}}};
+
 float squared(double value) { return static_cast<float>(value * value); }
 
 std::array<float, 3> to_float(const std::array<double, 3>& v) {
@@ -224,20 +242,20 @@ void CloudFilter::restore_unjudged_ghosts(FilterResult* result) {
 bool CloudFilter::has_neighbours(std::size_t point, const std::vector<Point>& points) const {
   const Point& p = points[point];
   const float range = std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-  const float reach = static_cast<float>(config_.outlier_distance_m + config_.outlier_range_ratio * range);
+  const auto reach = static_cast<float>(config_.outlier_distance_m + config_.outlier_range_ratio * range);
   const auto row = static_cast<std::int64_t>(pixel_of_[point] / grid_columns_);
   const auto column = static_cast<std::int64_t>(pixel_of_[point] % grid_columns_);
   int found = 0;
-  for (std::int64_t r = std::max<std::int64_t>(row - 1, 0); r <= std::min<std::int64_t>(row + 1, grid_rows_ - 1); ++r) {
-    for (std::int64_t d = -2; d <= 2; ++d) {
-      // Sweeps close on themselves: the first column is the neighbour of the last.
-      const std::int64_t c = (column + d + std::int64_t{grid_columns_} * 2) % grid_columns_;
-      const std::int32_t other = grid_[static_cast<std::size_t>(r * grid_columns_ + c)];
-      if (other < 0 || static_cast<std::size_t>(other) == point) continue;
-      const Point& q = points[static_cast<std::size_t>(other)];
-      const float dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
-      if (dx * dx + dy * dy + dz * dz <= reach * reach && ++found >= config_.outlier_min_neighbours) return true;
-    }
+  for (const auto& [down, right] : kNearestFirst) {
+    const std::int64_t r = row + down;
+    if (r < 0 || r >= grid_rows_) continue;
+    // Sweeps close on themselves: the first column is the neighbour of the last.
+    const std::int64_t c = (column + right + std::int64_t{grid_columns_} * 2) % grid_columns_;
+    const std::int32_t other = grid_[static_cast<std::size_t>(r * grid_columns_ + c)];
+    if (other < 0 || static_cast<std::size_t>(other) == point) continue;
+    const Point& q = points[static_cast<std::size_t>(other)];
+    const float dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
+    if (dx * dx + dy * dy + dz * dz <= reach * reach && ++found >= config_.outlier_min_neighbours) return true;
   }
   return false;
 }
@@ -247,7 +265,17 @@ void CloudFilter::remove_outliers(FilterResult* result) {
   grid_.assign(static_cast<std::size_t>(grid_rows_) * grid_columns_, -1);
   for (std::size_t i = 0; i < pixel_of_.size(); ++i) grid_[pixel_of_[i]] = static_cast<std::int32_t>(i);
   is_outlier_.assign(points.size(), 0);
-  for (std::size_t i = 0; i < pixel_of_.size(); ++i) is_outlier_[i] = has_neighbours(i, points) ? 0 : 1;
+  const float farthest_sq = squared(config_.outlier_max_range_m);
+  std::size_t num_near = 0, num_outliers = 0;
+  for (std::size_t i = 0; i < pixel_of_.size(); ++i) {
+    const Point& p = points[i];
+    if (p.x * p.x + p.y * p.y + p.z * p.z > farthest_sq) continue;
+    ++num_near;
+    is_outlier_[i] = has_neighbours(i, points) ? 0 : 1;
+    num_outliers += static_cast<std::size_t>(is_outlier_[i]);
+  }
+  // No rain takes half of the returns: the beams of this sensor are too far apart for their returns to be neighbours.
+  if (2 * num_outliers > num_near) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_outlier_[i]) points[kept++] = points[i];

@@ -17,6 +17,13 @@ using cloud::FieldType;
 using cloud::FilterResult;
 using test::RawCloud;
 
+/// For clouds whose points are no image of a surface: each of them would be an outlier.
+CloudFilterConfig without_outlier_removal() {
+  CloudFilterConfig config;
+  config.remove_outliers = false;
+  return config;
+}
+
 FilterResult filtered(const CloudFilterConfig& config, const RawCloud& c, base::StampNs stamp_ns = 0) {
   return CloudFilter(config).apply(c.view(stamp_ns));
 }
@@ -57,7 +64,7 @@ TEST(CloudFilter, InfinityIsNotAFarPoint) {
 TEST(CloudFilter, AllNanAndEmptyCloudsGiveNothing) {
   RawCloud c = test::xyzi_cloud(8, 8);
   for (std::size_t i = 0; i < 64; ++i) c.set_xyz(i, std::nanf(""), std::nanf(""), std::nanf(""));
-  CloudFilter filter{CloudFilterConfig()};
+  CloudFilter filter{without_outlier_removal()};
   FilterResult r;
   filter.apply(c.view(), &r);
   EXPECT_EQ(r.counts.nan, 64u);
@@ -102,7 +109,7 @@ TEST(CloudFilter, KeepsWeakReturnsBeyondTheGhostRange) {
 
 // Sensors and simulators without intensity report 0 for every point; without an exception all of them would be removed.
 TEST(CloudFilter, ACloudWithoutIntensityLosesNothingToTheGhostFilter) {
-  CloudFilterConfig config;
+  CloudFilterConfig config = without_outlier_removal();
   config.ghost_intensity = 50;
   RawCloud c = test::xyzi_cloud(2, 10);
   for (std::size_t i = 0; i < 20; ++i) c.set(i, "intensity", 0.0F);
@@ -115,7 +122,7 @@ TEST(CloudFilter, ACloudWithoutIntensityLosesNothingToTheGhostFilter) {
 TEST(CloudFilter, DecimatesEverySize) {
   for (const auto& [height, width, rows, columns] : std::vector<std::array<std::uint32_t, 4>>{
            {128, 1024, 2, 2}, {7, 13, 2, 3}, {16, 5, 3, 7}, {2, 1, 4, 4}, {5, 100, 1, 99}}) {
-    CloudFilterConfig config;
+    CloudFilterConfig config = without_outlier_removal();
     config.row_decimation = static_cast<int>(rows);
     config.column_decimation = static_cast<int>(columns);
     const FilterResult r = filtered(config, test::xyzi_cloud(height, width));
@@ -133,7 +140,7 @@ TEST(CloudFilter, UnorganisedCloudsHaveTheirOwnDecimation) {
 }
 
 TEST(CloudFilter, CyclingDecimationUsesEveryPixelInTurn) {
-  CloudFilterConfig config;
+  CloudFilterConfig config = without_outlier_removal();
   config.row_decimation = 2;
   config.column_decimation = 3;
   config.cycle_decimation = true;
@@ -154,11 +161,40 @@ TEST(CloudFilter, OutlierRemovalDropsLonePointsAndKeepsPoles) {
     c.set_xyz(r * 32 + 10, 5.0F, 0.0F, 0.1F * static_cast<float>(r));  // a pole that is one pixel wide
   c.set_xyz(3 * 32 + 20, 3.0F, 1.0F, 0.0F);                            // a drop of rain
   CloudFilterConfig config;
-  config.remove_outliers = true;
+  config.outlier_min_neighbours = 1;
   const FilterResult r = filtered(config, c);
   EXPECT_EQ(r.counts.outlier, 1u);
   ASSERT_EQ(r.points.size(), 8u);
   for (const auto& p : r.points) EXPECT_EQ(p.x, 5.0F);
+  // By default the two ends of the pole, which have one neighbour each, go with the drop.
+  EXPECT_EQ(filtered({}, c).counts.outlier, 3u);
+}
+
+/// A wall of 64 points at 5 m, in the first rows of a cloud of 16 x 32.
+RawCloud wall_cloud() {
+  RawCloud c = test::xyzi_cloud(16, 32);
+  for (std::size_t i = 0; i < 512; ++i) c.set_xyz(i, 0, 0, 0);
+  for (std::size_t i = 0; i < 64; ++i) {
+    c.set_xyz(i, 5.0F, 0.1F * static_cast<float>(i % 32), 0.1F * static_cast<float>(i / 32));
+  }
+  return c;
+}
+
+TEST(CloudFilter, FarLonePointsAreNoOutliers) {
+  RawCloud c = wall_cloud();
+  c.set_xyz(8 * 32 + 5, 7.9F, 0.0F, 0.0F);
+  c.set_xyz(12 * 32 + 20, 8.1F, 0.0F, 0.0F);
+  const FilterResult r = filtered({}, c);
+  EXPECT_EQ(r.counts.outlier, 1u);
+  ASSERT_EQ(r.points.size(), 65u);
+  EXPECT_EQ(r.points.back().x, 8.1F);
+}
+
+TEST(CloudFilter, ASensorWhoseBeamsAreFarApartLosesNothing) {
+  RawCloud c = wall_cloud();
+  for (std::size_t i = 0; i < 64; ++i) c.set_xyz(i, 5.0F, static_cast<float>(i % 32), static_cast<float>(i / 32));
+  EXPECT_EQ(filtered({}, c).counts.outlier, 0u);
+  EXPECT_EQ(filtered({}, c).counts.kept, 64u);
 }
 
 TEST(CloudFilter, ReadsPackedGazeboAndOusterClouds) {
