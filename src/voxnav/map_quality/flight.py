@@ -16,7 +16,7 @@ WIDE_BEAM: dict[str, Any] = {"footprint_rays": 12}
 GENUINE = 16  # labels below are surface classes
 
 
-class Scan(NamedTuple):
+class AimedScan(NamedTuple):
     """organised: (h, w, 4) as the cloud filter reads it; labels: (h, w); surface_W: (n, 3) where the axes of beams meet
     surfaces, without any error, and their classes (n,)."""
 
@@ -45,7 +45,7 @@ def path_through(world: simulation.World, num_scans: int) -> Array:
     return np.array(poses)
 
 
-def fly(world: simulation.World, poses: Array, seed: int, sensor: dict[str, Any]) -> Iterator[Scan]:
+def fly(world: simulation.World, poses: Array, seed: int, sensor: dict[str, Any]) -> Iterator[AimedScan]:
     """Yields one scan for each pose of the sensor. sensor: fields of LidarConfig."""
     lidar = simulation.Lidar(seed=seed, **sensor)
     exact = simulation.Lidar(seed=seed, **dict(
@@ -55,5 +55,5 @@ def fly(world: simulation.World, poses: Array, seed: int, sensor: dict[str, Any]
         measured, true = lidar.scan(world, T_W_L, T_W_L, i), exact.scan(world, T_W_L, T_W_L, i)
         is_surface = true.labels < GENUINE
         surface_L = true.organised[is_surface][:, :3]
-        yield Scan(T_W_L, measured.organised, measured.labels,
-                   surface_L @ T_W_L[:3, :3].T + T_W_L[:3, 3], true.labels[is_surface])
+        yield AimedScan(T_W_L, measured.organised, measured.labels,
+                        surface_L @ T_W_L[:3, :3].T + T_W_L[:3, 3], true.labels[is_surface])

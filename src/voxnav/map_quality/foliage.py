@@ -11,7 +11,7 @@ import numpy as np
 import voxnav
 from voxnav import simulation
 from voxnav.map_quality.flight import WIDE_BEAM, fly, path_through
-from voxnav.map_quality.surface_cells import Share, SurfaceCells
+from voxnav.map_quality.surface_cells import KeptShare, SurfaceCells
 
 RESOLUTIONS_M, MAX_RANGE_M = (0.2, 0.4), 26.0
 # As worlds/thicket.yaml, on less ground and with more bushes and poles, which would be too few for statistics.
@@ -21,7 +21,7 @@ THICKET: dict[str, Any] = dict(
     num_poles=20, num_houses=0, num_walls=1)
 
 
-def measure(seed: int, num_scans: int, sensor: dict[str, Any]) -> dict[float, tuple[dict[str, Share], float]]:
+def measure(seed: int, num_scans: int, sensor: dict[str, Any]) -> dict[float, tuple[dict[str, KeptShare], float]]:
     """Flies through a thicket. Returns for each resolution the shares of kept surface by its kind, and the share of
     occupied voxels without surface within one voxel."""
     world = simulation.World(THICKET, seed=seed)
@@ -39,7 +39,7 @@ def _phantoms(world: simulation.World, local_map: voxnav.LocalMap, resolution_m:
     return float(np.mean(world.clearance(local_map.occupied_centers(), reach_m) >= reach_m))
 
 
-def print_rows(seed: int, resolution_m: float, shares: dict[str, Share], phantoms: float) -> None:
+def print_rows(seed: int, resolution_m: float, shares: dict[str, KeptShare], phantoms: float) -> None:
     for kind, s in shares.items():
         print("| %d | %.1f | %s | %d | %.3f | %.3f | %.3f | %.4f | |" % (
             seed, resolution_m, kind, s.voxels, s.kept, s.free, s.returned, s.kept_of_returned))

@@ -12,7 +12,7 @@ import voxnav
 from voxnav import simulation
 from voxnav.array_types import Array
 from voxnav.map_quality.flight import fly, path_through
-from voxnav.map_quality.surface_cells import Share, SurfaceCells
+from voxnav.map_quality.surface_cells import KeptShare, SurfaceCells
 
 SCAN_HZ, SCANS_PER_STEP, CHECK_EVERY, NEAR_M, MAX_RANGE_M = 10.0, 3, 5, 12.0, 26.0
 SUNLIGHT = 0.0001  # share of false returns in full sun (data sheet of the Ouster OS1)
@@ -29,7 +29,7 @@ class Rainy(NamedTuple):
 
     false_per_minute: float
     false_present: float
-    shares: dict[str, Share]
+    shares: dict[str, KeptShare]
 
 
 def measure(seed: int, num_scans: int, sensor: dict[str, Any], filter_fields: dict[str, Any],

@@ -10,7 +10,7 @@ import numpy as np
 import voxnav
 from voxnav import simulation
 from voxnav.array_types import Array
-from voxnav.map_quality.flight import Scan
+from voxnav.map_quality.flight import AimedScan
 
 LEAST_SCANS = 5  # a surface that was seen less often is nobody's fault
 BUSH_HEIGHT_M = 2.0  # foliage below belongs to bushes, crowns begin higher
@@ -20,7 +20,7 @@ KIND_OF = {"terrain": "ground", "rock": "ground", "building": "ground", "vehicle
 KINDS = ("ground", "trunks", "poles", "leaves", "bushes", "branches")
 
 
-class Share(NamedTuple):
+class KeptShare(NamedTuple):
     """How many voxels hold a kind of surface, and the shares of them that are kept (p > 0.5), that are wrongly free,
     and in which any return fell. kept_of_returned: share of the latter that is kept."""
 
@@ -48,7 +48,7 @@ class SurfaceCells:
         kinds[(kinds == KINDS.index("leaves")) & (height < BUSH_HEIGHT_M)] = KINDS.index("bushes")
         return kinds
 
-    def add(self, scan: Scan) -> None:
+    def add(self, scan: AimedScan) -> None:
         """Counts a scan. Only surface within the range of the map counts."""
         near = np.linalg.norm(scan.surface_W - scan.T_W_L[:3, 3], axis=1) < self._max_range_m
         points, classes = scan.surface_W[near], scan.classes[near]
@@ -58,7 +58,7 @@ class SurfaceCells:
         returns_L = returns_L[np.linalg.norm(returns_L, axis=1) < self._max_range_m]
         self._returns.append(np.unique(_keys(self._voxels(returns_L @ scan.T_W_L[:3, :3].T + scan.T_W_L[:3, 3]))))
 
-    def judge(self, local_map: voxnav.LocalMap) -> dict[str, Share]:
+    def judge(self, local_map: voxnav.LocalMap) -> dict[str, KeptShare]:
         """Returns the shares of all voxels aimed at in at least LEAST_SCANS scans, and of each kind of surface."""
         seen = np.concatenate(self._seen)
         voxels, first, scans = np.unique(seen[:, :3], axis=0, return_index=True, return_counts=True)
@@ -79,9 +79,9 @@ class SurfaceCells:
         return voxels
 
 
-def _share(kept: Array, free: Array, returned: Array) -> Share:
+def _share(kept: Array, free: Array, returned: Array) -> KeptShare:
     of_returned = kept[returned].mean() if returned.any() else 1.0
-    return Share(len(kept), float(kept.mean()), float(free.mean()), float(returned.mean()), float(of_returned))
+    return KeptShare(len(kept), float(kept.mean()), float(free.mean()), float(returned.mean()), float(of_returned))
 
 
 def _keys(voxels: Array) -> Array:
