@@ -54,7 +54,7 @@ std::optional<voxnav::geometry::Pose> LidarOdometryNodelet::mounting(const std::
     if (!frame.empty()) {
       const std::string body = frame_name(config_.body_frame);
       const auto transform = tf_buffer_->lookupTransform(body, frame, ros::Time(0)).transform;
-      if (const auto pose = from_msg(transform)) return pose;
+      if (auto pose = from_msg(transform)) return pose;
       why = "the transform is not finite";
     }
   } catch (const tf2::TransformException& error) {

@@ -91,7 +91,8 @@ void ParamLoader::finish() {
     // The services and loggers of nodelets keep nothing here, so whatever is left is a mistake.
     if (!problem.empty()) problems_.push_back(problem);
   }
-  for (std::string& problem : problems_) problem = node_ + "/" + problem;
+  const std::string prefix = node_ + "/";
+  for (std::string& problem : problems_) problem.insert(0, prefix);
   if (!problems_.empty()) throw voxnav::base::ConfigError(problems_);
 }
 

@@ -32,6 +32,7 @@ std::vector<voxnav::geometry::StampedPose> pose_history_of(const Msg& msg) {
 
 std::vector<voxnav::geometry::Pose> valid_poses(const std::vector<geometry_msgs::Pose>& msgs, const char* name) {
   std::vector<voxnav::geometry::Pose> out;
+  out.reserve(msgs.size());
   for (const geometry_msgs::Pose& msg : msgs) out.push_back(valid_pose(msg, name));
   return out;
 }

@@ -64,7 +64,7 @@ std::optional<Pose> TfLocator::lookup(const std::string& frame, voxnav::base::St
                                       Location* location) const {
   const ros::Time stamp = to_ros(stamp_ns);
   try {
-    const auto pose = from_msg(buffer_.lookupTransform(odometry_frame_, frame, stamp).transform);
+    auto pose = from_msg(buffer_.lookupTransform(odometry_frame_, frame, stamp).transform);
     if (pose) return pose;
     location->problem = "tf from " + frame + " to " + odometry_frame_ + " is not a rigid transform";
     location->status = Location::Status::kNever;

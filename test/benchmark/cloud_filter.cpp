@@ -35,7 +35,8 @@ RawCloud forest_like_cloud() {
   std::uniform_real_distribution<float> unit(0.0F, 1.0F);
   for (std::size_t i = 0; i < cloud.layout.num_points(); ++i) {
     const float kind = unit(random), azimuth = 6.2831853F * static_cast<float>(i % kColumns) / kColumns;
-    const float elevation = 0.78F * (2.0F * static_cast<float>(i / kColumns) / kRows - 1.0F);
+    const std::size_t row = i / kColumns;
+    const float elevation = 0.78F * (2.0F * static_cast<float>(row) / kRows - 1.0F);
     const float range = kind < 0.05F ? 0.3F : 1.0F + 79.0F * unit(random) * unit(random);
     const float x = range * std::cos(elevation) * std::cos(azimuth),
                 y = range * std::cos(elevation) * std::sin(azimuth);
@@ -83,6 +84,8 @@ pcl::PCLPointCloud2 to_pcl(const RawCloud& cloud) {
 /// Returns the PCL condition that compares x^2 + y^2 + z^2 - range^2 with 0.
 pcl::TfQuadraticXYZComparison<pcl::PointXYZI>::Ptr range_is(pcl::ComparisonOps::CompareOp op, float range_m) {
   using Comparison = pcl::TfQuadraticXYZComparison<pcl::PointXYZI>;
+  // Pointers of PCL 1.10 are those of Boost, so that std::make_shared is not for them.
+  // NOLINTNEXTLINE(modernize-make-shared)
   return Comparison::Ptr(new Comparison(op, Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero(), -range_m * range_m));
 }
 
@@ -110,6 +113,7 @@ PclCloud::Ptr pcl_chain(const pcl::PCLPointCloud2& msg) {
   remove_unless(near, outside, within.get());
   pcl::ConditionOr<pcl::PointXYZI>::Ptr genuine(new pcl::ConditionOr<pcl::PointXYZI>);
   using Intensity = pcl::FieldComparison<pcl::PointXYZI>;
+  // NOLINTNEXTLINE(modernize-make-shared): as in range_is()
   genuine->addComparison(Intensity::Ptr(new Intensity("intensity", pcl::ComparisonOps::GE, kGhostIntensity)));
   genuine->addComparison(range_is(pcl::ComparisonOps::GE, kGhostRange_m));
   remove_unless(genuine, within, kept.get());

@@ -45,8 +45,8 @@ const std::vector<Vec3>& places() {
   static const std::vector<Vec3> out = [] {
     std::mt19937 rng(3);
     std::uniform_real_distribution<double> flat(-25.0, 25.0), height(0.0, 10.0);
-    std::vector<Vec3> made;
-    for (int i = 0; i < 4096; ++i) made.push_back({flat(rng), flat(rng), height(rng)});
+    std::vector<Vec3> made(4096);
+    for (Vec3& place : made) place = Vec3{flat(rng), flat(rng), height(rng)};
     return made;
   }();
   return out;

@@ -25,7 +25,8 @@ voxnav::test::RawCloud hall() {
   std::normal_distribution<double> noise(0.0, 0.02);
   for (std::size_t i = 0; i < cloud.layout.num_points(); ++i) {
     const double azimuth = 2.0 * kPi * static_cast<double>(i % kColumns) / kColumns + 1e-3;
-    const double elevation = 0.25 * kPi * (1.0 - 2.0 * static_cast<double>(i / kColumns) / kRows);
+    const std::size_t row = i / kColumns;
+    const double elevation = 0.25 * kPi * (1.0 - 2.0 * static_cast<double>(row) / kRows);
     const Vec3 d(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
     const Vec3 p = d * (world.range(Vec3::Zero(), d) + noise(random));
     cloud.set_xyz(i, static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));

@@ -21,7 +21,7 @@ namespace {
 constexpr int kSide = 18;
 
 std::shared_ptr<containers::StateGrid> random_grid(std::mt19937* rng, int percent) {
-  const auto grid = test::box_grid({0, 0, 0}, {kSide - 1, kSide - 1, kSide - 1});
+  auto grid = test::box_grid({0, 0, 0}, {kSide - 1, kSide - 1, kSide - 1});
   for (int i = 0; i < kSide * kSide * kSide * percent / 100; ++i) {
     const auto coordinate = [&] { return static_cast<int>((*rng)() % kSide); };
     grid->set({coordinate(), coordinate(), coordinate()}, VoxelState::kOccupied);

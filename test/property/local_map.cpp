@@ -74,15 +74,16 @@ TEST(LocalMapProperty, InnerNodesEqualBruteForce) {
       ++blocks;
       for (int level = 1; level <= OctreeBlock::kLevels; ++level) {
         const int side = 16 >> level;
-        std::vector<int> highest(side * side * side, 0);
-        std::vector<int> flags(side * side * side, 0);
+        const int num_nodes = side * side * side;
+        std::vector<int> highest(static_cast<std::size_t>(num_nodes), 0);
+        std::vector<int> flags(static_cast<std::size_t>(num_nodes), 0);
         for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
           const int node =
               (((offset >> 8) >> level) * side + (((offset >> 4) & 15) >> level)) * side + ((offset & 15) >> level);
           highest[node] = std::max<int>(highest[node], block->log_odds[offset]);
           flags[node] |= 1 << static_cast<int>(map.impl().forest.levels.of(block->log_odds[offset]));
         }
-        for (int node = 0; node < side * side * side; ++node) {
+        for (int node = 0; node < num_nodes; ++node) {
           const int x = node % side;
           const int y = node / side % side;
           const int z = node / side / side;

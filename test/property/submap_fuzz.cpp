@@ -37,8 +37,10 @@ std::shared_ptr<const Submap> random_submap(unsigned seed) {
 std::shared_ptr<const Submap> projective_submap() {
   submap::ProjectiveIntegrator integrator(submap::ProjectiveConfig{});
   std::vector<geometry::Vec3f> wall;
-  for (int i = 0; i < 2000; ++i)
-    wall.emplace_back(4.f, 0.1f * static_cast<float>(i % 50), 0.1f * static_cast<float>(i / 50));
+  wall.reserve(2000);
+  for (int row = 0; row < 40; ++row) {
+    for (int i = 0; i < 50; ++i) wall.emplace_back(4.f, 0.1f * static_cast<float>(i), 0.1f * static_cast<float>(row));
+  }
   integrator.integrate(wall, Pose::Identity());
   return integrator.finish(submap::SubmapConfig{});
 }

@@ -41,7 +41,7 @@ UavCommands::UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFra
   advertise_trajectories(nh);
 }
 
-void UavCommands::trigger(ros::NodeHandle& nh, const std::string& name, std::function<Result()> command) {
+void UavCommands::trigger(ros::NodeHandle& nh, const std::string& name, const std::function<Result()>& command) {
   using Callback = boost::function<bool(Trigger::Request&, Trigger::Response&)>;
   services_.push_back(
       nh.advertiseService(name, Callback([this, command](Trigger::Request&, Trigger::Response& response) {
@@ -182,13 +182,13 @@ UavCommands::Result UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
   if (msg.fly_now) return fly(trajectory);
   // The trajectory is checked by flying it and is then stopped in place, because loading a trajectory ends the present
   // one.
-  const Result result = fly(trajectory);
+  Result result = fly(trajectory);
   if (result.success) shared_.uav->hover();
   return result;
 }
 
 UavCommands::Result UavCommands::fly(const TrackedTrajectory& trajectory) {
-  const Result result = shared_.uav->set_trajectory(trajectory);
+  Result result = shared_.uav->set_trajectory(trajectory);
   if (!result.success) return result;
   loaded_ = trajectory;
   stopped_at_s_ = trajectory.skip_s;

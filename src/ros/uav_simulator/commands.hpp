@@ -46,7 +46,7 @@ class UavCommands {
   void advertise_triggers(ros::NodeHandle& nh);
   void advertise_references(ros::NodeHandle& nh);
   void advertise_trajectories(ros::NodeHandle& nh);
-  void trigger(ros::NodeHandle& nh, const std::string& name, std::function<Result()> command);
+  void trigger(ros::NodeHandle& nh, const std::string& name, const std::function<Result()>& command);
 
   Result set_constraints(const std::string& name);
   Result stop_tracking();

@@ -85,7 +85,7 @@ void UavOutputs::collect_state(const Uav& uav) {
   later(odom_main_, uav_messages::odometry(uav.estimate(), in_control, frames_.body()));
   later(ground_truth_, uav_messages::odometry(uav.truth(), header(frames_.ground_truth()), frames_.body()));
   const auto tree = frames_.tree(uav, in_control.stamp);
-  queue_.push_back([this, tree] { tf_.sendTransform(tree); });
+  queue_.emplace_back([this, tree] { tf_.sendTransform(tree); });
 }
 
 void UavOutputs::add_imu(const voxnav_simulation::ImuReading& sample) {

@@ -54,6 +54,7 @@ std::vector<double> LidarConfig::elevations_rad() const {
   if (model == BeamModel::kCustom) return beam_elevations_rad;
   const BeamTable& table = kBeamTables.at(model);
   std::vector<double> out;
+  out.reserve(static_cast<std::size_t>(table.beams));
   for (int i = 0; i < table.beams; ++i) out.push_back(table.vertical_fov_rad * (0.5 - i / (table.beams - 1.0)));
   return out;
 }

@@ -129,6 +129,7 @@ void LidarModel::scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L
 
 std::vector<Pose> poses_between(const Pose& T_W_L_start, const Pose& T_W_L_end, int columns) {
   std::vector<Pose> out;
+  out.reserve(static_cast<std::size_t>(std::max(columns, 0)));
   for (int i = 0; i < columns; ++i) {
     out.push_back(voxnav::geometry::interpolate(T_W_L_start, T_W_L_end, static_cast<double>(i) / columns));
   }

@@ -90,7 +90,9 @@ std::optional<Nearest> Scene::Part::nearest(const Vec3& p, double max_m) const {
   const auto visit = [](RTCPointQueryFunctionArguments* args) {
     auto* s = static_cast<Search*>(args->userPtr);
     const auto& corners = s->part->mesh->triangles[args->primID];
-    const auto corner = [&](int i) { return Vec3f(s->part->vertices + 3 * corners[i]).cast<double>().eval(); };
+    const auto corner = [&](int i) {
+      return Vec3f(s->part->vertices + std::size_t{3} * corners[i]).cast<double>().eval();
+    };
     const double distance = distance_to_triangle(s->point, corner(0), corner(1), corner(2));
     if (distance > static_cast<double>(args->query->radius)) return false;
     s->best = Nearest{distance, s->part->mesh->classes[args->primID]};

@@ -22,7 +22,7 @@ struct Scene::Device {
 
 /// One mesh with its search tree, which never changes after construction. `mesh` must outlive it.
 struct Scene::Part {
-  Part(std::shared_ptr<Device> device, const WorldMesh& mesh, const Pose& T_W_part);
+  Part(std::shared_ptr<Device> device_in, const WorldMesh& mesh_in, const Pose& T_W_mesh);
   ~Part();
   Part(const Part&) = delete;
   Part& operator=(const Part&) = delete;

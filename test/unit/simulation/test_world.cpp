@@ -161,7 +161,7 @@ TEST(World, RefusesContradictions) {
   config.trunk_radius_min_m = 0.5;
   config.goal_m = {500.0, 0.0};
   try {
-    World(config, 1);
+    const World world(config, 1);
     FAIL() << "accepted";
   } catch (const ConfigError& error) {
     EXPECT_EQ(error.problems().size(), 2u) << error.what();

@@ -10,7 +10,6 @@
 #include "voxnav/submap/submap.hpp"
 
 using namespace voxnav;  // NOLINT: test
-using containers::VoxelState;
 using geometry::Index3;
 using geometry::Pose;
 using submap::Columns;
@@ -102,8 +101,9 @@ TEST(ObservedFree, IsRefusedIfItDoesNotMatchTheStates) {
   // whether there are distances, surface points, and the checksum.
   const submap::VoxelPoints& points = submap->content()->points();
   const auto in_words = [](std::size_t bits) { return 8 * ((bits + 63) / 64); };
-  const std::size_t behind = 3 * 8 + 4 * points.size() + points.num_observed() + 4 * points.differing().size() +
-                             in_words(points.size()) + in_words(points.num_observed()) + 1 + 8 + 4;
+  const std::size_t behind = std::size_t{3} * 8 + 4 * points.size() + points.num_observed() +
+                             4 * points.differing().size() + in_words(points.size()) + in_words(points.num_observed()) +
+                             1 + 8 + 4;
   for (const char wrong : {static_cast<char>(0xFF), '\0'}) {
     std::string broken = bytes;  // below its last word of free space is set to all voxels of a cell, or none
     for (std::size_t k = 1; k <= 8; ++k) broken[bytes.size() - behind - k] = wrong;

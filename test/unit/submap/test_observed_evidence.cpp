@@ -48,7 +48,7 @@ occupancy::MapContent wall_at(int x_wall, bool is_remembered) {
 std::vector<Vec3> wall(double x_from) {
   std::vector<Vec3> out;
   for (double x = x_from + 0.05; x < x_from + 8.0; x += 0.1) {
-    for (double z = 0.25; z < 2.0; z += 0.1) out.push_back({x, 4.03, z});
+    for (double z = 0.25; z < 2.0; z += 0.1) out.emplace_back(x, 4.03, z);
   }
   return out;
 }

@@ -25,6 +25,7 @@ std::shared_ptr<Submap> random_submap(unsigned seed) {
 std::vector<Vec3> random_points(int count) {
   std::mt19937 rng(3);
   std::vector<Vec3> out;
+  out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) out.push_back(test::random_in(&rng, {-14, -14, -14}, {14, 14, 14}));
   return out;
 }

@@ -33,7 +33,7 @@ SubmapEntry entry_of(std::uint32_t id) {
 }
 
 std::string saved(const std::string& name, std::uint32_t count) {
-  const std::string directory = new_directory(name);
+  std::string directory = new_directory(name);
   SubmapCollection collection({});
   for (std::uint32_t id = 1; id <= count; ++id) collection.add(entry_of(id));
   collection.save(directory);

@@ -97,6 +97,7 @@ TEST(Submap, EveryOccupiedVoxelIsASurface) {
   // The scene has a pole of one voxel, a wire and single voxels in free space, and a pole beside unknown space.
   test::ContentBuilder builder(kVoxel);
   std::vector<geometry::Index3> thin;
+  thin.reserve(45);
   for (int z = 0; z < 20; ++z) thin.push_back({3, 3, z});
   for (int x = 0; x < 20; ++x) thin.push_back({x, 12, 10});
   for (int i = 0; i < 5; ++i) thin.push_back({16, 4 * i, 17});

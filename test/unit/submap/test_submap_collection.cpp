@@ -11,7 +11,6 @@
 
 using namespace voxnav;  // NOLINT: test
 using containers::VoxelState;
-using geometry::Index3;
 using geometry::Pose;
 using geometry::Vec3;
 using submap::Submap;
@@ -62,8 +61,7 @@ std::size_t count_vehicle(const std::vector<geometry::Vec3f>& points, const Pose
 }
 
 std::string temporary_directory(const char* name) {
-  const std::string path = ::testing::TempDir() + "voxnav_" + name + "_" + std::to_string(::getpid());
-  return path;
+  return ::testing::TempDir() + "voxnav_" + name + "_" + std::to_string(::getpid());
 }
 
 }  // namespace
