@@ -265,7 +265,9 @@ void bind_result(py::module_& m) {
           "sensor\namong those of the vehicle.")
       .def_readonly("num_bad_times", &FilterResult::num_bad_times)
       .def_readonly("is_ghost_filter_suspended", &FilterResult::is_ghost_filter_suspended,
-                    "True if no return had any intensity, so that none was removed as a ghost.");
+                    "True if no return had any intensity, so that none was removed as a ghost.")
+      .def_readonly("is_outlier_filter_suspended", &FilterResult::is_outlier_filter_suspended,
+                    "True if most returns have no neighbours in the image, so that none was removed as an outlier.");
 }
 
 }  // namespace

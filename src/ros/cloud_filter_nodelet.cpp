@@ -120,12 +120,15 @@ class CloudFilterNodelet : public NodeletBase {
     diagnostics().set_counter("point_times_refused", static_cast<double>(num_bad_times_));
     const std::string untimed = report_times();
     diagnostics().set_counter("ghost_filter_suspended", result_.is_ghost_filter_suspended ? 1.0 : 0.0);
+    diagnostics().set_counter("outlier_filter_suspended", result_.is_outlier_filter_suspended ? 1.0 : 0.0);
     if (result_.counts.total > 0 && result_.counts.kept == 0) {
       warn("no point of a cloud on " + topic_ + " was kept: " + describe(result_.counts));
     } else if (!untimed.empty()) {
       warn("point times on " + topic_ + ": " + untimed);
     } else if (result_.is_ghost_filter_suspended) {
       warn("no return on " + topic_ + " has any intensity: the ghost filter is suspended");
+    } else if (result_.is_outlier_filter_suspended) {
+      warn("most returns on " + topic_ + " have no neighbours in the image: rain and dust are not removed");
     } else {
       diagnostics().set_level(msg::NodeDiagnostics::OK, "");
     }

@@ -53,6 +53,8 @@ struct FilterResult {
   std::int64_t sweep_start_ns = 0;
   std::uint64_t num_bad_times = 0;         ///< kept points whose time is none of the sweep and is taken as 0
   bool is_ghost_filter_suspended = false;  ///< no return had any intensity, so that none could be judged by it
+  /// Most returns have no neighbours in the image, so that lone ones tell nothing: none was removed as an outlier.
+  bool is_outlier_filter_suspended = false;
 };
 
 /// Removes from a scan what is not surroundings: missing returns, the UAV's own body, ghosts, surplus.
@@ -97,6 +99,7 @@ class CloudFilter {
   void restore_unjudged_ghosts(FilterResult* result);
   void remove_outliers(FilterResult* result);
   bool has_neighbours(std::size_t point, const std::vector<Point>& points) const;
+  bool knows_image(const std::vector<Point>& points);
 
   CloudFilterConfig config_;
   Limits limits_;
@@ -111,6 +114,7 @@ class CloudFilter {
   std::vector<std::int32_t> grid_;  // kept point of each pixel, -1 = none; only for outlier removal
   std::vector<std::uint32_t> pixel_of_, ghost_pixel_of_;  // pixel of each kept point, of each ghost
   std::vector<char> is_outlier_;
+  bool knows_image_ = false;  // returns of this sensor that neighbour each other in the image do so in space
 };
 
 }  // namespace voxnav::cloud

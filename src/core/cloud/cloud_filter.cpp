@@ -161,7 +161,7 @@ void CloudFilter::begin(const RawCloudView& cloud, FilterResult* result) {
   result->counts.total = cloud.num_points();
   result->sweep_start_ns = 0;
   result->num_bad_times = 0;
-  result->is_ghost_filter_suspended = false;
+  result->is_ghost_filter_suspended = result->is_outlier_filter_suspended = false;
   grid_rows_ = grid_columns_ = 0;
   pixel_of_.clear();
   ghost_pixel_of_.clear();
@@ -260,22 +260,34 @@ bool CloudFilter::has_neighbours(std::size_t point, const std::vector<Point>& po
   return false;
 }
 
+/// Tells whether neighbours in the image are neighbours in space, as of a sensor whose beams are close to each other
+/// and in order. Most returns of one cloud, near and far, show it for all that follow: later clouds may consist of
+/// little but rain.
+bool CloudFilter::knows_image(const std::vector<Point>& points) {
+  constexpr std::size_t kNumAsked = 1000, kFewest = 20;
+  if (knows_image_) return true;
+  const std::size_t step = std::max<std::size_t>(1, pixel_of_.size() / kNumAsked);
+  std::size_t num_asked = 0, num_lone = 0;
+  for (std::size_t i = 0; i < pixel_of_.size(); i += step, ++num_asked) num_lone += has_neighbours(i, points) ? 0 : 1;
+  knows_image_ = num_asked >= kFewest && 2 * num_lone < num_asked;
+  return knows_image_;
+}
+
 void CloudFilter::remove_outliers(FilterResult* result) {
   std::vector<Point>& points = result->points;
   grid_.assign(static_cast<std::size_t>(grid_rows_) * grid_columns_, -1);
   for (std::size_t i = 0; i < pixel_of_.size(); ++i) grid_[pixel_of_[i]] = static_cast<std::int32_t>(i);
+  if (!knows_image(points)) {
+    result->is_outlier_filter_suspended = true;
+    return;
+  }
   is_outlier_.assign(points.size(), 0);
   const float farthest_sq = squared(config_.outlier_max_range_m);
-  std::size_t num_near = 0, num_outliers = 0;
   for (std::size_t i = 0; i < pixel_of_.size(); ++i) {
     const Point& p = points[i];
     if (p.x * p.x + p.y * p.y + p.z * p.z > farthest_sq) continue;
-    ++num_near;
     is_outlier_[i] = has_neighbours(i, points) ? 0 : 1;
-    num_outliers += static_cast<std::size_t>(is_outlier_[i]);
   }
-  // No rain takes half of the returns: the beams of this sensor are too far apart for their returns to be neighbours.
-  if (2 * num_outliers > num_near) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!is_outlier_[i]) points[kept++] = points[i];

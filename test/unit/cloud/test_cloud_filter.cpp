@@ -155,16 +155,16 @@ TEST(CloudFilter, CyclingDecimationUsesEveryPixelInTurn) {
 }
 
 TEST(CloudFilter, OutlierRemovalDropsLonePointsAndKeepsPoles) {
-  RawCloud c = test::xyzi_cloud(8, 32);
-  for (std::size_t i = 0; i < 256; ++i) c.set_xyz(i, 0, 0, 0);
-  for (std::size_t r = 0; r < 8; ++r)
+  RawCloud c = test::xyzi_cloud(32, 32);
+  for (std::size_t i = 0; i < 1024; ++i) c.set_xyz(i, 0, 0, 0);
+  for (std::size_t r = 0; r < 32; ++r)
     c.set_xyz(r * 32 + 10, 5.0F, 0.0F, 0.1F * static_cast<float>(r));  // a pole that is one pixel wide
   c.set_xyz(3 * 32 + 20, 3.0F, 1.0F, 0.0F);                            // a drop of rain
   CloudFilterConfig config;
   config.outlier_min_neighbours = 1;
   const FilterResult r = filtered(config, c);
   EXPECT_EQ(r.counts.outlier, 1u);
-  ASSERT_EQ(r.points.size(), 8u);
+  ASSERT_EQ(r.points.size(), 32u);
   for (const auto& p : r.points) EXPECT_EQ(p.x, 5.0F);
   // By default the two ends of the pole, which have one neighbour each, go with the drop.
   EXPECT_EQ(filtered({}, c).counts.outlier, 3u);
@@ -195,6 +195,23 @@ TEST(CloudFilter, ASensorWhoseBeamsAreFarApartLosesNothing) {
   for (std::size_t i = 0; i < 64; ++i) c.set_xyz(i, 5.0F, static_cast<float>(i % 32), static_cast<float>(i / 32));
   EXPECT_EQ(filtered({}, c).counts.outlier, 0u);
   EXPECT_EQ(filtered({}, c).counts.kept, 64u);
+  EXPECT_TRUE(filtered({}, c).is_outlier_filter_suspended);
+}
+
+TEST(CloudFilter, RainIsRemovedThoughThereIsLittleElse) {
+  CloudFilter filter{CloudFilterConfig()};
+  FilterResult result;
+  const RawCloud wall = wall_cloud();
+  filter.apply(wall.view(), &result);
+  EXPECT_EQ(result.counts.outlier, 0u);
+  RawCloud rain = test::xyzi_cloud(16, 32);
+  for (std::size_t i = 0; i < 512; ++i) rain.set_xyz(i, 0, 0, 0);
+  // Fourteen drops, none of them within two columns and a row of another.
+  for (std::size_t i = 0; i < 512; i += 37) rain.set_xyz(i, 3.0F, 0.01F * static_cast<float>(i), 0.0F);
+  filter.apply(rain.view(), &result);
+  EXPECT_FALSE(result.is_outlier_filter_suspended);
+  EXPECT_EQ(result.counts.outlier, 14u);
+  EXPECT_TRUE(result.points.empty());
 }
 
 TEST(CloudFilter, ReadsPackedGazeboAndOusterClouds) {
