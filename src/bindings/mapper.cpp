@@ -27,17 +27,6 @@ void take_part(const char* name, py::dict* values, Member* member) {
   PyDict_DelItemString(values->ptr(), name);
 }
 
-/// As take_part(), for a list of the configurations of several.
-void take_sensors(py::dict* values, std::vector<pipeline::SensorConfig>* sensors) {
-  if (!values->contains("sensors")) return;
-  try {
-    *sensors = (*values)["sensors"].cast<std::vector<pipeline::SensorConfig>>();
-  } catch (const py::cast_error&) {
-    throw py::type_error("sensors must be a list of SensorConfig");
-  }
-  PyDict_DelItemString(values->ptr(), "sensors");
-}
-
 MapperConfig config_of(const py::kwargs& kwargs) {
   py::dict values;
   for (const auto& item : kwargs) values[item.first] = item.second;
@@ -46,7 +35,6 @@ MapperConfig config_of(const py::kwargs& kwargs) {
   take_part<pipeline::SubmapSchedulerConfig>("submap", &values, &parts.submap);
   take_part<pipeline::LoadControlConfig>("load", &values, &parts.load);
   take_part<odometry::LidarOdometryConfig>("odometry", &values, &parts.odometry);
-  take_sensors(&values, &parts.sensors);
   const std::vector<std::string> problems = base::assign(&parts, to_values(values));
   if (!problems.empty()) throw base::ConfigError(problems);
   return parts;
@@ -56,8 +44,7 @@ void bind_mapper_config(py::module_& m) {
   bind_config<pipeline::SensorConfig>(m, "SensorConfig", "What Mapper has to know of one sensor beside its mount.");
   auto cls = bind_config<MapperConfig>(m, "MapperConfig", "Parameters of Mapper.");
   cls.def(py::init(&config_of),
-          "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own, and\n"
-          "sensors is a list of SensorConfig, one by default.\n"
+          "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own.\n"
           "If odometry is given, the mapper estimates its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
   cls.def_readwrite("map", &MapperConfig::map)
       .def_readwrite("submap", &MapperConfig::submap)

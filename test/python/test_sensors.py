@@ -49,7 +49,9 @@ def camera_sweep(world, camera, number, index):
 
 def mapped(sensors, configs):
     """The map of some sensors. sensors: (T_B_L, sweep of a number and index) of each."""
-    mapper = voxnav.Mapper(voxnav.MapperConfig(sensors=configs, use_deskew=False), sensors[0][0])
+    config = voxnav.MapperConfig(use_deskew=False)
+    config.sensors = configs
+    mapper = voxnav.Mapper(config, sensors[0][0])
     for number, (T_B_L, _) in enumerate(sensors):
         mapper.set_mount(number, T_B_L)
     for index in range(NUM_SCANS):
