@@ -7,7 +7,9 @@
 #include "point_lists.hpp"
 #include "views.hpp"
 #include "voxnav/planning/a_star.hpp"
+#include "voxnav/planning/clearance_field.hpp"
 #include "voxnav/planning/corridor.hpp"
+#include "voxnav/planning/path_planner.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -41,6 +43,82 @@ CorridorResult corridor(const py::object& map, const py::array& points, double r
   const CorridorRule rule = allow_unknown ? CorridorRule::kNotOccupied : CorridorRule::kKnownFreeOnly;
   py::gil_scoped_release release;
   return check_corridor(*view, line, radius_m, rule);
+}
+
+ClearanceUpdate update_field(ClearanceField& field, const py::object& map) {
+  const auto view = view_of(map, field.config().safety_distance_m);
+  py::gil_scoped_release release;
+  return field.update(*view);
+}
+
+/// Calls fn(point) for each row of an (n, 3) float32 array.
+template <class T, class Fn>
+py::array_t<T> for_each_point(const py::array& points, Fn fn) {
+  const float* data = data_of<float>(points, "points", {-1, 3});
+  py::array_t<T> out(points.shape(0));
+  T* to = out.mutable_data();
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    to[i] = fn(geometry::Vec3(data[3 * i], data[3 * i + 1], data[3 * i + 2]));
+  }
+  return out;
+}
+
+void bind_clearance_field(py::module_& m) {
+  bind_config<ClearanceFieldConfig>(m, "ClearanceFieldConfig", "Distances that a clearance field keeps.");
+  py::class_<ClearanceUpdate>(m, "ClearanceUpdate", "What one update of a clearance field did.")
+      .def_readonly("changed_blocks", &ClearanceUpdate::changed_blocks)
+      .def_readonly("recomputed_blocks", &ClearanceUpdate::recomputed_blocks);
+  py::class_<ClearanceField>(m, "ClearanceField",
+                             "Distances to obstacles, and the connected parts of flyable space, kept up to date.")
+      .def(py::init<ClearanceFieldConfig>(), py::arg("config") = ClearanceFieldConfig{})
+      .def("update", &update_field, py::arg("view"),
+           "Takes over a map; only what changed blocks can reach is computed again.\n\n"
+           "view: OccupancyView, StateGrid, LocalMap or SubmapCollection. Raises ValueError if radius_m is more than\n"
+           "16 voxels of the view, or if the map needs more than max_memory_mib; the field is empty in that case.")
+      .def(
+          "clearance",
+          [](const ClearanceField& field, const py::array& points) {
+            return for_each_point<double>(points, [&](const geometry::Vec3& p) { return field.clearance(p); });
+          },
+          py::arg("points_W"),
+          "(n,) float64 exact distances [m] of (n, 3) float32 points to the nearest occupied voxel, radius_m if none\n"
+          "is nearer, NaN for points that are not finite.")
+      .def(
+          "components",
+          [](const ClearanceField& field, const py::array& points) {
+            return for_each_point<std::uint32_t>(points, [&](const geometry::Vec3& p) { return field.component(p); });
+          },
+          py::arg("points_W"),
+          "(n,) uint32 numbers of the connected parts of flyable space that hold (n, 3) float32 points, 0 = none.\n"
+          "Numbers hold until the next update.")
+      .def_property_readonly("config", &ClearanceField::config)
+      .def_property_readonly("resolution_m", &ClearanceField::resolution_m,
+                             "Edge of a voxel [m], 0 before the first update.")
+      .def_property_readonly("num_blocks", &ClearanceField::num_blocks)
+      .def_property_readonly("memory_bytes", &ClearanceField::memory_bytes);
+}
+
+AnyAnglePlan plan_any_angle(const PathPlanner& planner, const ClearanceField& field, const py::object& start,
+                            const py::object& goal) {
+  const geometry::Vec3 start_point = vec3_of(start, "start");
+  const geometry::Vec3 goal_point = vec3_of(goal, "goal");
+  py::gil_scoped_release release;
+  return planner.plan(field, start_point, goal_point);
+}
+
+void bind_path_planner(py::module_& m) {
+  bind_config<PathPlannerConfig>(m, "PathPlannerConfig", "Costs and limits of a path.");
+  py::class_<AnyAnglePlan, PlanResult>(m, "AnyAnglePlan", "A path of straight segments in any direction.")
+      .def_readonly("length_m", &AnyAnglePlan::length_m)
+      .def_readonly("cost_m", &AnyAnglePlan::cost_m, "Length weighted by the costs of what the path flies through.")
+      .def_readonly("lower_bound_m", &AnyAnglePlan::lower_bound_m,
+                    "No path over the lattice of cells costs less; infinite where there is no way.");
+  py::class_<PathPlanner>(m, "PathPlanner", "Any-angle planner on a clearance field, with exact clearance.")
+      .def(py::init<PathPlannerConfig>(), py::arg("config") = PathPlannerConfig{})
+      .def("plan", &plan_any_angle, py::arg("field"), py::arg("start_W"), py::arg("goal_W"),
+           "Searches a short path between two points (three numbers each, field's frame [m]).\n\n"
+           "Returns an AnyAnglePlan, whose path is (k, 3) float64; never raises for a start or goal that cannot be\n"
+           "used. Raises ValueError if the field's radius_m is less than the distances that have costs.");
 }
 
 void bind_plan_status(py::module_& m) {
@@ -96,6 +174,7 @@ void bind_planning(py::module_& m) {
   bind_words<UnknownPolicy>(m, "UnknownPolicy", "How a search treats unknown cells.");
   bind_plan_result(m);
   bind_corridor(m);
+  bind_clearance_field(m);
   py::class_<StopFlag>(m, "StopFlag", "Cancels a search from another thread. Thread-safe.")
       .def(py::init<>())
       .def("raise_", &StopFlag::raise)
@@ -108,6 +187,7 @@ void bind_planning(py::module_& m) {
            "Searches the cheapest path between two points (three numbers each, view's frame [m]).\n\n"
            "view: OccupancyView, StateGrid, LocalMap or SubmapCollection; must not change during the call.\n"
            "Returns a PlanResult; never raises for a start or goal that cannot be used.");
+  bind_path_planner(m);
 }
 
 }  // namespace voxnav::bindings

@@ -66,6 +66,80 @@ def test_corridor_lets_only_known_free_space_pass():
         voxnav.check_corridor(grid, line.astype(np.float32), 0.5)
 
 
+def test_clearance_field_knows_distances_and_what_is_connected():
+    states = np.ones((64, 32, 16), dtype=np.int8)
+    states[30] = 2
+    field = voxnav.ClearanceField(voxnav.ClearanceFieldConfig(safety_distance_m=0.8, radius_m=3.0))
+    points = np.array([[10.0, 6.2, 3.0], [20.0, 6.2, 3.0], [11.8, 6.2, 3.0], [np.nan, 0.0, 0.0]], dtype=np.float32)
+    assert list(field.components(points)) == [0, 0, 0, 0]
+    field.update(voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.4))
+    assert field.clearance(points)[:3] == pytest.approx([2.0, 3.0, 0.2], abs=1e-5)
+    assert np.isnan(field.clearance(points)[3])
+    left, right, wall, nowhere = field.components(points)
+    assert left != 0 and right != 0 and left != right and wall == 0 and nowhere == 0
+    states[30, 10:20, 4:12] = 1
+    grid = voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.4)
+    assert field.update(grid).changed_blocks == 2
+    assert field.update(grid).recomputed_blocks == 0
+    left, right = field.components(points)[:2]
+    assert left == right != 0
+    assert field.memory_bytes > 0 and field.resolution_m == 0.4
+    with pytest.raises(ValueError, match="radius_m"):
+        voxnav.ClearanceField(voxnav.ClearanceFieldConfig(radius_m=20.0)).update(grid)
+    with pytest.raises(voxnav.ConfigError, match="radius_m"):
+        voxnav.ClearanceField(voxnav.ClearanceFieldConfig(radius_m=0.5, safety_distance_m=1.0))
+
+
+def divided_field():
+    """Two rooms with a door high up in the wall between them, and a closed box."""
+    states = np.ones((64, 32, 16), dtype=np.int8)
+    states[30] = 2
+    states[30, 10:20, 8:16] = 1
+    states[48:56, 20:28, 4:12] = 2
+    states[49:55, 21:27, 5:11] = 1
+    field = voxnav.ClearanceField(voxnav.ClearanceFieldConfig(safety_distance_m=0.8))
+    field.update(voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.4))
+    return field
+
+
+def test_path_planner_leads_through_the_door_with_exact_clearance():
+    field = divided_field()
+    start, goal = (2.0, 2.0, 1.4), (22.0, 3.0, 1.4)
+    plan = voxnav.PathPlanner().plan(field, start, goal)
+    assert plan.status == "complete" and not plan.partial and plan.reason
+    assert np.allclose(plan.path[0], start) and np.allclose(plan.path[-1], goal)
+    assert plan.path.dtype == np.float64 and 3 <= len(plan.path) < 20
+    steps = np.linalg.norm(np.diff(plan.path, axis=0), axis=1)
+    assert plan.length_m == pytest.approx(steps.sum()) == plan.cost_m
+    samples = np.concatenate([np.linspace(a, b, 200) for a, b in zip(plan.path, plan.path[1:])]).astype(np.float32)
+    assert field.clearance(samples).min() >= 0.8 - 1e-5
+    assert plan.lower_bound_m <= plan.length_m * 1.09 and plan.expansions > 0 and plan.seconds > 0.0
+
+
+@pytest.mark.parametrize("goal, status", [((20.8, 9.6, 3.2), "partial_blocked"), ((12.2, 1.0, 1.0), "goal_blocked"),
+                                          ((np.nan, 1.0, 1.0), "invalid_input")],
+                         ids=["closed box", "wall", "not a number"])
+def test_path_planner_knows_that_a_goal_cannot_be_reached_without_a_search(goal, status):
+    planner = voxnav.PathPlanner(voxnav.PathPlannerConfig(goal_search_radius_m=0.0))
+    plan = planner.plan(divided_field(), (2.0, 2.0, 1.4), goal)
+    assert plan.status == status and plan.expansions == 0 and plan.path.shape == (0, 3)
+
+
+def test_path_planner_leads_near_a_goal_that_is_blocked():
+    plan = voxnav.PathPlanner().plan(divided_field(), (2.0, 2.0, 1.4), (12.2, 4.0, 1.4))
+    assert plan.status == "goal_blocked" and plan.partial
+    assert 0.5 < plan.remaining_m < 2.0 and len(plan.path) >= 2
+    plan = voxnav.PathPlanner().plan(divided_field(), (2.0, 2.0, 1.4), (200.0, 2.2, 1.4))
+    assert plan.status == "outside_map" and plan.partial
+    assert np.allclose(plan.path[-1], (25.4, 2.2, 1.4)), "to the edge of the map"
+    few = voxnav.PathPlanner(voxnav.PathPlannerConfig(max_expansions=10))
+    plan = few.plan(divided_field(), (2.0, 2.0, 1.4), (22.0, 3.0, 1.4))
+    assert plan.status == "partial_limit"
+    with pytest.raises(ValueError, match="radius_m"):
+        voxnav.PathPlanner(voxnav.PathPlannerConfig(clearance_distance_m=5.0)).plan(
+            divided_field(), (2.0, 2.0, 1.4), (22.0, 3.0, 1.4))
+
+
 def navigation_map(**config):
     """Returns a navigation map whose local map is a free box of 16 m around the origin of O, with the vehicle in it."""
     nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(**config))

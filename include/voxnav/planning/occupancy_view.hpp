@@ -3,6 +3,7 @@
 
 #include <bitset>
 #include <memory>
+#include <vector>
 
 #include "voxnav/containers/state_grid.hpp"
 #include "voxnav/geometry/aabb.hpp"
@@ -34,6 +35,11 @@ class OccupancyView {
   /// null if the whole block is unknown. The default implementation asks state() for each voxel.
   virtual const StateBlock* block(const geometry::Index3& block, StateBlock* scratch) const;
 
+  /// Returns the blocks that may hold anything but unknown voxels, or voxels that may not be entered for other reasons
+  /// than the bounds; in any order, possibly twice. The default implementation returns all blocks of the bounds.
+  /// @throws std::length_error from the default implementation if those are too many to be listed
+  virtual std::vector<geometry::Index3> known_blocks() const;
+
   /// ORs the voxels that may not be entered although they are not occupied into the masks: obstacles of another map
   /// that were grown already, or limits of the flight area. A `soft` voxel may be entered where this view itself knows
   /// all voxels within the safety distance, a `hard` one never. The default implementation has none.
@@ -58,6 +64,7 @@ class StateGridView : public OccupancyView {
   const StateBlock* block(const geometry::Index3& block, StateBlock*) const override {
     return grid_->find_block(block);
   }
+  std::vector<geometry::Index3> known_blocks() const override { return grid_->sorted_block_indices(); }
   double grown_by_m() const override { return grown_by_m_; }
 
  private:

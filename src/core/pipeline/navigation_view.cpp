@@ -58,6 +58,38 @@ const StateBlock* NavigationView::block(const Index3& block, StateBlock* scratch
   return scratch;
 }
 
+void NavigationView::add_blocks(const geometry::Aabb& box, std::vector<Index3>* out) const {
+  if (!box.intersects(bounds_)) return;
+  const double side = kSide * resolution_m();
+  const Index3 low = geometry::index_of(box.min.cwiseMax(bounds_.min), side);
+  const Index3 high = geometry::index_of(box.max.cwiseMin(bounds_.max), side);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) out->push_back({x, y, z});
+    }
+  }
+}
+
+std::vector<Index3> NavigationView::known_blocks() const {
+  std::vector<Index3> out = content_.local->sorted_block_indices();
+  add_blocks(footprint_, &out);
+  // The footprint may have widened the bounds beyond the altitudes, so that blocks without content hold forbidden
+  // voxels.
+  const double shift = content_.T_W_O.translation().z();
+  const Vec3 low(bounds_.min.x(), bounds_.min.y(), config_.min_altitude_m - shift);
+  const Vec3 high(bounds_.max.x(), bounds_.max.y(), config_.max_altitude_m - shift);
+  if (bounds_.min.z() < low.z()) add_blocks({bounds_.min, {high.x(), high.y(), low.z()}}, &out);
+  if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
+  if (content_.obstacles == nullptr) return out;
+  const double side = kSide * content_.obstacles->resolution_m();
+  for (const Index3& block : content_.obstacles->sorted_block_indices()) {
+    const Vec3 corner = Vec3(block.x, block.y, block.z) * side;
+    const geometry::Aabb box_W{corner, corner + Vec3::Constant(side)};
+    add_blocks(box_W.transformed(content_.T_W_O.inverse()), &out);
+  }
+  return out;
+}
+
 bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) const {
   bool is_any = false;
   const double shift = content_.T_W_O.translation().z();

@@ -22,11 +22,14 @@ class NavigationView : public planning::OccupancyView {
   containers::VoxelState state(const geometry::Index3& voxel) const override;
   geometry::Aabb bounds() const override { return bounds_; }
   const containers::StateBlock* block(const geometry::Index3& block, containers::StateBlock* scratch) const override;
+  std::vector<geometry::Index3> known_blocks() const override;
   bool forbidden(const geometry::Index3& block, planning::BlockMask* hard, planning::BlockMask* soft) const override;
 
  private:
   bool is_in_footprint(const geometry::Index3& voxel) const;
   geometry::Aabb box_of(const geometry::Index3& block) const;
+  /// Appends the blocks within the bounds that touch a box.
+  void add_blocks(const geometry::Aabb& box, std::vector<geometry::Index3>* out) const;
   bool forbid_altitudes(const geometry::Index3& block, planning::BlockMask* hard) const;
   bool forbid_obstacles(const geometry::Index3& block, planning::BlockMask* mask) const;
 

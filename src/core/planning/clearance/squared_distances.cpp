@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/clearance/squared_distances.hpp"
+
+#include <algorithm>
+
+#include "voxnav/planning/clearance_field.hpp"
+
+namespace voxnav::planning {
+namespace {
+
+constexpr int kSide = geometry::kBlockSide;
+constexpr auto kFar = static_cast<std::int16_t>(ClearanceField::kFar);
+
+std::int16_t squared_face(int offset) {
+  return static_cast<std::int16_t>(offset == 0 ? 0 : (2 * offset - 1) * (2 * offset - 1));
+}
+
+/// The column (x, y) relative to the middle block over the heights -16 to 31, lowest first.
+std::uint64_t tall_column(const SurroundingColumns& set, int x, int y) {
+  const int below = (x >> geometry::kBlockShift) + 1 + 3 * ((y >> geometry::kBlockShift) + 1);
+  const int column = column_at(x & (kSide - 1), y & (kSide - 1));
+  std::uint64_t out = 0;
+  for (int dz = 0; dz < 3; ++dz) {
+    const BlockColumns* block = set.blocks[below + 9 * dz];
+    const std::uint64_t bits = block != nullptr ? (*block)[column] : (set.absent_is_set ? kWholeColumn : 0u);
+    out |= bits << (kSide * dz);
+  }
+  return out;
+}
+
+/// Distance from a height (from -16 on) to the nearest set bit of a tall column that is not empty.
+int nearest_bit(std::uint64_t bits, int height) {
+  const std::uint64_t above = bits >> height;
+  const std::uint64_t below = bits << (63 - height);
+  const int up = above != 0 ? __builtin_ctzll(above) : 64;
+  const int down = below != 0 ? __builtin_clzll(below) : 64;
+  return std::min(up, down);
+}
+
+template <class Column>
+void take_least(const std::int16_t* in, std::int16_t weight, Column* out) {
+  for (int z = 0; z < kSide; ++z) (*out)[z] = std::min((*out)[z], static_cast<std::int16_t>(in[z] + weight));
+}
+
+}  // namespace
+
+SquaredDistanceTransform::SquaredDistanceTransform(int reach, int limit) : reach_(reach), limit_(limit) {
+  const auto side = static_cast<std::size_t>(kSide + 2 * reach);
+  for (int k = 0; k <= reach; ++k) weights_.push_back(squared_face(k));
+  heights_.resize(side * side);
+  rows_.resize(side * side);
+  has_height_.resize(side * side);
+  has_row_.resize(side * side);
+}
+
+bool SquaredDistanceTransform::compute(const SurroundingColumns& set, const ColumnRange& range,
+                                       ClearanceDistances* out) {
+  along_z(set, range);
+  along_x(range);
+  along_y(range, out);
+  for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
+    for (int x = range.x0; x < range.x1; ++x) {
+      if (has_row_[halo_at(x, y)]) return true;
+    }
+  }
+  return false;
+}
+
+void SquaredDistanceTransform::along_z(const SurroundingColumns& set, const ColumnRange& range) {
+  // Bits within reach of the middle block.
+  const std::uint64_t near = ((std::uint64_t{1} << (kSide + 2 * reach_)) - 1) << (kSide - reach_);
+  for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
+    for (int x = range.x0 - reach_; x < range.x1 + reach_; ++x) {
+      const std::uint64_t bits = tall_column(set, x, y) & near;
+      const int at = halo_at(x, y);
+      has_height_[at] = bits != 0;
+      if (bits == 0) continue;
+      if (((bits >> kSide) & kWholeColumn) == kWholeColumn) {
+        heights_[at].fill(0);
+        continue;
+      }
+      for (int z = 0; z < kSide; ++z) {
+        const int nearest = nearest_bit(bits, z + kSide);
+        heights_[at][z] = nearest <= reach_ ? weights_[nearest] : kFar;
+      }
+    }
+  }
+}
+
+void SquaredDistanceTransform::along_x(const ColumnRange& range) {
+  for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
+    for (int x = range.x0; x < range.x1; ++x) {
+      const int at = halo_at(x, y);
+      bool is_any = false;
+      for (int dx = -reach_; dx <= reach_; ++dx) {
+        if (!has_height_[at + dx]) continue;
+        if (!is_any) rows_[at].fill(kFar);
+        is_any = true;
+        take_least(heights_[at + dx].data(), weights_[std::abs(dx)], &rows_[at]);
+      }
+      has_row_[at] = is_any;
+    }
+  }
+}
+
+void SquaredDistanceTransform::along_y(const ColumnRange& range, ClearanceDistances* out) const {
+  for (int y = range.y0; y < range.y1; ++y) {
+    for (int x = range.x0; x < range.x1; ++x) {
+      Column least;
+      least.fill(kFar);
+      for (int dy = -reach_; dy <= reach_; ++dy) {
+        const int at = halo_at(x, y + dy);
+        if (has_row_[at]) take_least(rows_[at].data(), weights_[std::abs(dy)], &least);
+      }
+      std::int16_t* to = &(*out)[kSide * column_at(x, y)];
+      for (int z = 0; z < kSide; ++z) to[z] = least[z] <= limit_ ? least[z] : kFar;
+    }
+  }
+}
+
+}  // namespace voxnav::planning

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "planning/path/run_graph.hpp"
+
+namespace voxnav::planning {
+
+/// What one planning call may still spend.
+struct WorkBudget {
+  std::uint64_t expansions_left = 0;
+  std::size_t max_bytes = 0;
+};
+
+/// A* from the start over runs of cells as if each were one place: moving up and down in a run costs nothing. So no
+/// path over the lattice of cells costs less than what this search finds, and a second search knows where to look.
+class BoundSearch {
+ public:
+  enum class End { kGoal, kExhausted, kLimit };
+
+  /// Costs are integers: a step of one voxel edge at unit cost is kStraight * 2 * kUnitCost. 41 / 29 is just below the
+  /// square root of two, and kVertical / kStraight below the difference of the roots of three and of two, so that sums
+  /// never exceed the cost of a diagonal step in space.
+  static constexpr std::uint64_t kStraight = 29;
+  static constexpr std::uint64_t kDiagonal = 41;
+  static constexpr std::uint64_t kVertical = 9;
+
+  BoundSearch(RunGraph* graph, RunGraph::Number goal) : graph_(*graph), goal_(goal) {}
+
+  End run(RunGraph::Number start, WorkBudget* budget);
+
+  /// Lower bound of the cost from the start to a run [voxel edges at unit cost]. Precondition: run() reached the goal.
+  double bound(RunGraph::Number number) const;
+  /// Among the expanded runs, the one nearest to a point.
+  RunGraph::Number nearest_to(const geometry::Vec3& point) const;
+  std::uint64_t expansions() const { return expansions_; }
+  std::size_t memory_bytes() const { return reached_.capacity() * sizeof(Reached) + open_.capacity() * sizeof(Entry); }
+
+ private:
+  struct Reached {
+    std::uint64_t cost = ~std::uint64_t{0};
+    bool is_closed = false;
+  };
+  struct Entry {
+    std::uint64_t f;
+    std::uint64_t cost;
+    RunGraph::Number number;
+  };
+  struct ComesLater {
+    bool operator()(const Entry& a, const Entry& b) const {
+      if (a.f != b.f) return a.f > b.f;
+      return a.cost != b.cost ? a.cost < b.cost : a.number > b.number;
+    }
+  };
+
+  std::uint64_t heuristic(RunGraph::Number number) const;
+  Reached& reached(RunGraph::Number number) {
+    if (number >= reached_.size()) reached_.resize(graph_.size());
+    return reached_[number];
+  }
+  void expand(RunGraph::Number from, std::uint64_t cost);
+  void relax(RunGraph::Number to, std::uint64_t cost);
+
+  RunGraph& graph_;
+  RunGraph::Number goal_;
+  std::vector<Reached> reached_;
+  std::vector<Entry> open_;
+  std::uint64_t expansions_ = 0;
+  std::uint64_t goal_cost_ = 0;
+};
+
+}  // namespace voxnav::planning

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <unordered_map>
+
+#include "planning/path/run_costs.hpp"
+
+namespace voxnav::planning {
+
+/// The runs of cells that searches touch, in towers of 16 x 16 columns that are made when first asked for. Positions
+/// are in voxel edges here: voxel i covers [i, i + 1).
+class RunGraph {
+ public:
+  using Number = std::uint32_t;
+  static constexpr Number kNone = std::numeric_limits<Number>::max();
+
+  struct Node {
+    std::int32_t x;
+    std::int32_t y;
+    CellRun run;
+  };
+  /// Numbers of the runs of a column: first <= n < end.
+  struct Column {
+    Number first = 0;
+    Number end = 0;
+  };
+  struct Step {
+    int dx;
+    int dy;
+  };
+  static constexpr std::array<Step, 8> kSteps = {
+      {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}};
+
+  /// @param max_bytes  memory of all towers; columns beyond it are empty, and has_refused() tells
+  RunGraph(const RunCosts* costs, std::size_t max_bytes) : costs_(*costs), max_bytes_(max_bytes) {}
+
+  /// Makes the column's tower if need be.
+  Column column(int x, int y);
+  /// The run that holds a voxel, kNone if it may not be entered.
+  Number find(const geometry::Index3& voxel);
+  const Node& node(Number number) const { return nodes_[number]; }
+  std::size_t size() const { return nodes_.size(); }
+  bool has_refused() const { return has_refused_; }
+  std::size_t memory_bytes() const;
+  const RunCosts& costs() const { return costs_; }
+
+  /// Calls fn(number, step, lowest and highest common z) for the runs beside a run that share heights with it, where
+  /// all columns that a diagonal step touches may be entered. Searches that call it see each run as one place.
+  template <class Fn>
+  void for_each_beside(Number from, Fn fn);
+
+ private:
+  struct Tower {
+    std::array<Number, kColumns + 1> first;
+  };
+
+  const Tower* tower(int x, int y);
+  bool opens_within(const Column& column, int low, int high) const {
+    for (Number n = column.first; n < column.end; ++n) {
+      if (nodes_[n].run.low <= high && nodes_[n].run.high >= low) return true;
+    }
+    return false;
+  }
+
+  const RunCosts& costs_;
+  std::size_t max_bytes_;
+  bool has_refused_ = false;
+  std::vector<Node> nodes_;
+  std::vector<std::unique_ptr<Tower>> towers_;
+  std::unordered_map<geometry::Index3, const Tower*, geometry::Index3Hash> by_place_;
+  std::vector<const ClearanceBlock*> blocks_;
+  geometry::Index3 last_place_{std::numeric_limits<std::int32_t>::min(), 0, 0};
+  const Tower* last_ = nullptr;
+};
+
+template <class Fn>
+void RunGraph::for_each_beside(Number from, Fn fn) {
+  const Node here = nodes_[from];
+  std::array<Column, 4> straight;
+  for (int i = 0; i < 8; ++i) {
+    const Step step = kSteps[i];
+    const Column there = column(here.x + step.dx, here.y + step.dy);
+    if (i < 4) straight[i] = there;
+    for (Number n = there.first; n < there.end; ++n) {
+      const int low = std::max(here.run.low, nodes_[n].run.low), high = std::min(here.run.high, nodes_[n].run.high);
+      if (low > high) continue;
+      if (i >= 4 && !(opens_within(straight[step.dx > 0 ? 0 : 1], low, high) &&
+                      opens_within(straight[step.dy > 0 ? 2 : 3], low, high))) {
+        continue;
+      }
+      fn(n, step, low, high);
+    }
+  }
+}
+
+}  // namespace voxnav::planning

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/path/segment_clearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planning/segment_box.hpp"
+
+namespace voxnav::planning {
+namespace {
+
+using geometry::Vec3;
+
+constexpr double kPieceLength = 4.0;
+/// Rounding must not turn a segment at exactly the distance into one that is too near.
+constexpr double kTolerance = 1e-7;
+/// Half the diagonal of a voxel.
+const double kHalfDiagonal = std::sqrt(3.0) / 2.0;
+
+Vec3 excess(const Vec3& point, const geometry::Aabb& box) { return point - point.cwiseMax(box.min).cwiseMin(box.max); }
+
+}  // namespace
+
+bool is_nearer(const Vec3& from, const Vec3& to, const geometry::Aabb& box, double distance) {
+  const Vec3 direction = to - from;
+  const double limit = distance * distance;
+  const auto slope = [&](double t) { return excess(from + t * direction, box).dot(direction); };
+  const auto is_near = [&](double t) { return excess(from + t * direction, box).squaredNorm() < limit; };
+  if (slope(0.0) >= 0.0) return is_near(0.0);
+  if (slope(1.0) <= 0.0) return is_near(1.0);
+  // The slope grows linearly between the parameters at which the segment crosses planes of the box.
+  double low = 0.0, high = 1.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) continue;
+    for (const double face : {box.min[axis], box.max[axis]}) {
+      const double t = (face - from[axis]) / direction[axis];
+      if (t > low && t < high) (slope(t) < 0.0 ? low : high) = t;
+    }
+  }
+  const double a = slope(low), b = slope(high);
+  return is_near(b > a ? low + (high - low) * (-a) / (b - a) : low);
+}
+
+bool SegmentClearance::is_clear(const Vec3& from, const Vec3& to) const {
+  ++num_checks_;
+  if (distance_ <= 0.0) return true;
+  const int num_pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kPieceLength)));
+  for (int i = 0; i < num_pieces; ++i) {
+    const Vec3 a = from + (to - from) * (static_cast<double>(i) / num_pieces);
+    const Vec3 b = from + (to - from) * (static_cast<double>(i + 1) / num_pieces);
+    if (!is_piece_clear(a, b)) return false;
+  }
+  return true;
+}
+
+bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
+  const Vec3 middle = 0.5 * (from + to);
+  const geometry::Index3 voxel = geometry::index_of(middle, 1.0);
+  const ClearanceBlock* block = field_.block_of(voxel);
+  const double kept = field_.config().radius_m / field_.resolution_m();
+  double room = kept;
+  if (block != nullptr && block->to_occupied != nullptr) {
+    const int offset = geometry::offset_in_block(voxel);
+    const int squared = (*block->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
+    room = std::min(kept, 0.5 * std::sqrt(static_cast<double>(squared)));
+  }
+  // Blocks that the field does not hold are far from obstacles.
+  if (room - kHalfDiagonal - 0.5 * (to - from).norm() >= distance_) return true;
+  const Vec3 reach = Vec3::Constant(distance_);
+  const VoxelBox near{geometry::index_of(from.cwiseMin(to) - reach, 1.0),
+                      geometry::index_of(from.cwiseMax(to) + reach, 1.0)};
+  bool is_clear = true;
+  field_.for_each_occupied(near, [&](const VoxelBox& run) {
+    const geometry::Aabb box{Vec3(run.low.x, run.low.y, run.low.z),
+                             Vec3(run.high.x + 1, run.high.y + 1, run.high.z + 1)};
+    is_clear = is_clear && !is_nearer(from, to, box, distance_ - kTolerance);
+  });
+  return is_clear;
+}
+
+}  // namespace voxnav::planning

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "planning/clearance/clearance_field_impl.hpp"
+
+namespace voxnav::planning {
+
+/// Whether segments keep a distance from all occupied voxels, exactly. Positions and distances are in voxel edges.
+class SegmentClearance {
+ public:
+  SegmentClearance(const ClearanceField::Impl& field, double distance) : field_(field), distance_(distance) {}
+
+  /// O(length * distance^2) at worst; parts that lie far from obstacles by the field's distances cost nothing more.
+  bool is_clear(const geometry::Vec3& from, const geometry::Vec3& to) const;
+  std::uint64_t num_checks() const { return num_checks_; }
+
+ private:
+  bool is_piece_clear(const geometry::Vec3& from, const geometry::Vec3& to) const;
+
+  const ClearanceField::Impl& field_;
+  double distance_;
+  mutable std::uint64_t num_checks_ = 0;
+};
+
+/// Returns whether a segment comes nearer to a box than `distance`. The squared distance is convex and piecewise
+/// quadratic along the segment: its least value is found exactly between the planes of the box's faces.
+bool is_nearer(const geometry::Vec3& from, const geometry::Vec3& to, const geometry::Aabb& box, double distance);
+
+}  // namespace voxnav::planning
