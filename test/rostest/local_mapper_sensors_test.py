@@ -12,7 +12,8 @@ from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from tf2_msgs.msg import TFMessage
 
-from local_mapper_test import POINT, mirror, to_msg, wait_for, wall
+from local_mapper_test import POINT, mirror, wall
+from node_testing import cloud_message, wait_for
 from voxnav.msg import NodeDiagnostics, Progress
 from voxnav.srv import GetGrid
 
@@ -84,7 +85,7 @@ class SensorsTest(unittest.TestCase):
 
     def scan(self, sensor, frame=None, points=None, stamp_s=None):
         """One cloud of a LiDAR, which is awaited."""
-        msg = to_msg(wall() if points is None else points, self.move_time() if stamp_s is None else stamp_s)
+        msg = cloud_message(wall() if points is None else points, self.move_time() if stamp_s is None else stamp_s)
         msg.header.frame_id = frame or {"lidar": "uav1/os_sensor", "rear": "uav1/rear"}[sensor]
         name = "local_mapper" if sensor == "lidar" else "local_mapper/" + sensor
         done = self.num_done(name)
@@ -128,14 +129,14 @@ class SensorsTest(unittest.TestCase):
         mapped, dropped = self.counter("lidar/scans_mapped"), self.counter("rear/scans_dropped")
         for kind in range(3):
             if kind == 0:  # its clouds are broken
-                bad = to_msg(wall(), self.move_time())
+                bad = cloud_message(wall(), self.move_time())
                 bad.data = bad.data[:-5]
                 self.clouds["rear"].publish(bad)
             elif kind == 1:  # its clock stands still
                 self.scan("rear")
                 self.scan("rear", stamp_s=self.now)
             else:  # nobody knows where it sits: it waits for its pose while the LiDAR is mapped
-                lost = to_msg(wall(), self.move_time())
+                lost = cloud_message(wall(), self.move_time())
                 lost.header.frame_id = "uav1/nowhere"
                 self.clouds["rear"].publish(lost)
             for _ in range(3):

@@ -153,7 +153,7 @@ void OpenBeams::mark_returns(const RawCloudView& cloud) {
   std::fill(is_near_return_.begin(), is_near_return_.end(), 0);
   for (std::uint32_t r = 0; r < rows_; ++r) {
     std::uint8_t* marks = is_near_return_.data() + static_cast<std::size_t>(r) * columns_;
-    int free_from = -1;  // marks are set up to here
+    int free_from = -margin;  // marks are set up to here, from the last columns on, as columns run around
     for (int c = 0; c < width; ++c) {
       const std::uint8_t* point = cloud.row(r) + static_cast<std::size_t>(c) * cloud.point_step();
       if (!is_return(position(point, cloud.access()))) continue;
