@@ -57,7 +57,10 @@ class GridField final : public geometry::DistanceField {
   double resolution_m() const override { return resolution_m_; }
 
  private:
-  double at(int x, int y, int z) const { return values_[static_cast<std::size_t>((z * size_[1] + y) * size_[0] + x)]; }
+  double at(int x, int y, int z) const {
+    const int number = (z * size_[1] + y) * size_[0] + x;
+    return values_[static_cast<std::size_t>(number)];
+  }
   void interpolate(const double (&c)[2][2][2], const double (&f)[3], double* distance_m, Vec3* gradient) const {
     double value = 0.0;
     Vec3 slope = Vec3::Zero();

@@ -22,7 +22,7 @@ TEST(PlyWriter, HeaderComesFirstAndRowsFollowInTheOrderOfTheElements) {
       "property uchar red\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n";
   const std::string bytes = out.finish();
   ASSERT_EQ(bytes.substr(0, header.size()), header);
-  ASSERT_EQ(bytes.size(), header.size() + 2 * 5 + 1);
+  ASSERT_EQ(bytes.size(), header.size() + std::size_t{2} * 5 + 1);
   float x = 0.f;
   std::memcpy(&x, bytes.data() + header.size() + 5, sizeof(x));
   EXPECT_EQ(x, 1.5f);

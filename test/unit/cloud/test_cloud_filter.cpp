@@ -126,7 +126,7 @@ TEST(CloudFilter, DecimatesEverySize) {
     config.row_decimation = static_cast<int>(rows);
     config.column_decimation = static_cast<int>(columns);
     const FilterResult r = filtered(config, test::xyzi_cloud(height, width));
-    const std::uint64_t expected = ((height + rows - 1) / rows) * ((width + columns - 1) / columns);
+    const std::uint64_t expected = std::uint64_t{(height + rows - 1) / rows} * ((width + columns - 1) / columns);
     EXPECT_EQ(r.counts.kept, expected) << height << " x " << width;
     EXPECT_EQ(r.counts.decimated, std::uint64_t{height} * width - expected);
   }

@@ -21,7 +21,7 @@ std::vector<SubmapCorrection> bent_submaps() {
   for (int k = 0; k < 3; ++k) {
     const geometry::Pose T_O_S = geometry::from_position_yaw({1000.0 + 20.0 * k, 0, 5}, 0.0);
     const geometry::Pose T_W_S = geometry::from_position_yaw({1000.0 + 20.0 * k, 0.5 * k * k, 5}, 0.05 * k);
-    out.push_back({10 * k * 1'000'000'000LL, 10 * (k + 1) * 1'000'000'000LL, T_O_S, T_W_S});
+    out.push_back({k * 10'000'000'000LL, (k + 1) * 10'000'000'000LL, T_O_S, T_W_S});
   }
   return out;
 }

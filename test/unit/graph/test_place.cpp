@@ -72,10 +72,12 @@ TEST(Place, TheIndexNamesTheSamePlaceFirst) {
   const ForestWorld world = make_forest(200, 250, 5);
   PlaceIndex index;
   for (int id = 0; id < 12; ++id) {
-    index.add(id, place_at(world, Pose4(28.0 * (id % 4) - 42.0, 28.0 * (id / 4) - 28.0, 2.0, 0.5 * id), 1));
+    const int column = id % 4, row = id / 4;
+    index.add(id, place_at(world, Pose4(28.0 * column - 42.0, 28.0 * row - 28.0, 2.0, 0.5 * id), 1));
   }
   for (int id = 0; id < 12; ++id) {
-    const Pose4 again(28.0 * (id % 4) - 42.0 + 2.0, 28.0 * (id / 4) - 28.0 + 1.0, 2.0, 3.0 - 0.5 * id);
+    const int column = id % 4, row = id / 4;
+    const Pose4 again(28.0 * column - 42.0 + 2.0, 28.0 * row - 28.0 + 1.0, 2.0, 3.0 - 0.5 * id);
     const std::vector<int> similar = index.similar(100, place_at(world, again, 2), 3);
     ASSERT_FALSE(similar.empty());
     EXPECT_EQ(similar[0], id);

@@ -27,13 +27,14 @@ ForestWorld grove(unsigned seed) {
 /// Returns a path through the grove along x, over the meadow in a wide curve, and back through the grove.
 std::vector<Pose4> there_and_back() {
   std::vector<Pose4> out;
-  for (int i = 0; i < 6; ++i) out.push_back({-15.0 + 6.0 * i, 0.0, 2.0, 0.1});
+  out.reserve(26);
+  for (int i = 0; i < 6; ++i) out.emplace_back(-15.0 + 6.0 * i, 0.0, 2.0, 0.1);
   for (int i = 1; i < 14; ++i) {
     const double angle = M_PI * i / 13.0 - 0.5 * M_PI;
-    out.push_back({40.0 + 80.0 * std::cos(angle), 60.0 + 60.0 * std::sin(angle), 2.0, angle + 0.5 * M_PI});
+    out.emplace_back(40.0 + 80.0 * std::cos(angle), 60.0 + 60.0 * std::sin(angle), 2.0, angle + 0.5 * M_PI);
   }
-  out.push_back({60.0, 70.0, 2.0, -2.5});
-  for (int i = 0; i < 6; ++i) out.push_back({15.0 - 6.0 * i, 3.0, 2.0, M_PI - 0.2});
+  out.emplace_back(60.0, 70.0, 2.0, -2.5);
+  for (int i = 0; i < 6; ++i) out.emplace_back(15.0 - 6.0 * i, 3.0, 2.0, M_PI - 0.2);
   return out;
 }
 
@@ -42,7 +43,7 @@ Flight fly(const ForestWorld& world, const Pose4& drift_per_step) {
   Flight flight;
   flight.truth = there_and_back();
   for (std::size_t i = 0; i < flight.truth.size(); ++i) {
-    flight.odometry.push_back(flight.truth[i] + static_cast<double>(i) * drift_per_step);
+    flight.odometry.emplace_back(flight.truth[i] + static_cast<double>(i) * drift_per_step);
     View view;
     view.range_m = 18.0;
     view.seed = static_cast<unsigned>(i) + 1;

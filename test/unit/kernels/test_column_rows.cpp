@@ -27,7 +27,7 @@ TEST(ColumnRows, AddedRowsEqualTheReference) {
     const auto block = random_words<std::uint16_t>(&rng, 256);
     for (int up = -15; up <= 31; ++up) {
       for (const int count : {0, 1, 7, 16}) {
-        auto window = random_words<std::uint32_t>(&rng, 48 * 16);
+        auto window = random_words<std::uint32_t>(&rng, std::size_t{48} * 16);
         for (auto& column : window) column &= 0x11111111u;
         auto expected = window;
         kernels::add_rows({block.data(), window.data() + 16, 48, count, up});
@@ -42,7 +42,7 @@ TEST(ColumnRows, TurnedColumnsEqualTheReference) {
   constexpr int kRowLength = 48, kShift = 25;
   test::with_every_instruction_set([] {
     std::mt19937 rng(2);
-    const auto window = random_words<std::uint32_t>(&rng, kRowLength * 40);
+    const auto window = random_words<std::uint32_t>(&rng, std::size_t{kRowLength} * 40);
     const auto fixed = [](double edges) { return static_cast<std::int32_t>(std::lround(std::ldexp(edges, kShift))); };
     for (int trial = 0; trial < 200; ++trial) {
       const double angle = 0.05 * trial, c = std::cos(angle), s = std::sin(angle);

@@ -6,6 +6,7 @@
 
 #include "instruction_sets.hpp"
 #include "kernels/masked_bytes.hpp"
+#include "sparse_bits.hpp"
 
 using namespace voxnav;  // NOLINT: test
 
@@ -31,7 +32,7 @@ TEST(MaskedBytes, EveryFormOfTheSubtractionEqualsTheReference) {
   std::mt19937_64 rng(5);
   for (int trial = 0; trial < 1000; ++trial) {
     const Cells before = trial % 10 == 0 ? Cells{} : random_cells(&rng);
-    const std::uint64_t mask = trial % 7 == 0 ? ~std::uint64_t{0} : rng() & rng();
+    const std::uint64_t mask = trial % 7 == 0 ? ~std::uint64_t{0} : test::sparse_bits(&rng, 2);
     const kernels::Subtraction by{static_cast<std::uint8_t>(rng()), static_cast<std::uint8_t>(rng()),
                                   static_cast<std::uint8_t>(rng())};
     Cells expected = before, cells = before, wide = before;
@@ -51,7 +52,7 @@ TEST(MaskedBytes, WholeBlocksEqualTheReference) {
       std::array<std::uint8_t, 4096> cells{};
       std::array<std::uint64_t, kernels::kBlockWords> masks{};
       for (auto& cell : cells) cell = static_cast<std::uint8_t>(rng());
-      for (auto& mask : masks) mask = rng() % 3 == 0 ? 0 : rng() & rng();
+      for (auto& mask : masks) mask = rng() % 3 == 0 ? 0 : test::sparse_bits(&rng, 2);
       auto expected = cells;
       const kernels::Subtraction by{20, 60, 140};
       const auto done = kernels::subtract_in_block(cells.data(), masks.data(), by);

@@ -6,6 +6,7 @@
 
 #include "instruction_sets.hpp"
 #include "kernels/row_sets.hpp"
+#include "sparse_bits.hpp"
 
 using namespace voxnav;  // NOLINT: test
 
@@ -29,7 +30,7 @@ TEST(RowSets, UnionsEqualTheReference) {
     for (std::size_t count = 1; count < 60; count += 3) {
       const auto step = static_cast<std::ptrdiff_t>(count + rng() % 9);
       std::vector<std::uint32_t> rows(static_cast<std::size_t>(step) * kernels::kUnitedRows + count);
-      for (auto& word : rows) word = static_cast<std::uint32_t>(rng() & rng() & rng() & rng());
+      for (auto& word : rows) word = static_cast<std::uint32_t>(test::sparse_bits(&rng, 4));
       std::vector<std::uint32_t> all(count), expected(count);
       kernels::unite_rows(rows.data(), count, step, all.data());
       kernels::reference::unite_rows(rows.data(), count, step, expected.data());

@@ -20,9 +20,9 @@ namespace {
 
 /// A window of random voxels around an inclined surface, with surface points inside the occupied ones.
 struct RandomWindow {
-  std::vector<std::uint32_t> free = std::vector<std::uint32_t>(kWindowSide * kWindowSide);
+  std::vector<std::uint32_t> free = std::vector<std::uint32_t>(std::size_t{kWindowSide} * kWindowSide);
   std::vector<std::uint32_t> occupied = free;
-  std::vector<std::uint16_t> first = std::vector<std::uint16_t>(kWindowSide * kWindowSide);
+  std::vector<std::uint16_t> first = std::vector<std::uint16_t>(std::size_t{kWindowSide} * kWindowSide);
   std::vector<kernels::WindowPoint> points;
   std::vector<geometry::Index3> voxels;
 

@@ -76,6 +76,7 @@ TEST(LocalMap, HitsWinWithinOneScan) {
 TEST(LocalMap, ManyRaysThroughOneVoxelAreOneMiss) {
   LocalMap map(small_config());
   std::vector<Vec3> fan;
+  fan.reserve(50);
   for (int i = 0; i < 50; ++i) fan.emplace_back(10.0, 0.2 + 0.01 * i, 0.2);
   const auto statistics = insert_from(&map, kOrigin, fan);
   EXPECT_NEAR(*map.log_odds(kOrigin), occupancy::log_odds_of(0.4), 0.01);

@@ -108,6 +108,7 @@ occupancy::LocalMap map_around(const Vec3& center) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> offset(-4.0, 4.0);
   std::vector<occupancy::LocalMap::VoxelLogOdds> voxels;
+  voxels.reserve(3000);
   for (int i = 0; i < 3000; ++i) {
     voxels.push_back({center + Vec3(offset(random), offset(random), offset(random)), i % 3 == 0 ? 3.0 : -1.5});
   }
@@ -129,7 +130,8 @@ TEST(OctomapFiles, LeavesOfEverySizeAreClippedToTheWindow) {
   for (int trial = 0; trial < 4; ++trial) {
     const auto tree = single_leaf(-2.0F);
     for (unsigned i = 0; i < 8; ++i) tree->createNodeChild(tree->getRoot(), i)->setLogOdds(i % 2 ? 2.0F : -2.0F);
-    const octomap::OcTreeKey near(random() % (2 * kOrigin), random() % (2 * kOrigin), random() % (2 * kOrigin));
+    constexpr unsigned kKeys = 2 * kOrigin;
+    const octomap::OcTreeKey near(random() % kKeys, random() % kKeys, random() % kKeys);
     split_towards(near, &random, tree.get());
     split_towards({kOrigin, kOrigin, kOrigin}, &random, tree.get());
     ASSERT_TRUE(tree->write(file.path));

@@ -11,7 +11,6 @@ namespace {
 using namespace voxnav;  // NOLINT: test
 using geometry::Vec3;
 using odometry::Gravity;
-using odometry::MeanForce;
 
 TEST(Gravity, TheDirectionDecidesInAnyUnit) {
   const Vec3 up = Vec3(0.3, -0.2, -0.9).normalized();

@@ -18,6 +18,7 @@ std::vector<Vec3f> random_points(int count, float half_side, std::uint32_t seed)
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> in(-half_side, half_side);
   std::vector<Vec3f> out;
+  out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) out.emplace_back(in(random), in(random), in(random));
   return out;
 }

@@ -74,8 +74,8 @@ TEST(SubmapScheduler, OldScansAreIgnoredAndTheHistoryIsBounded) {
   config.period_s = 1000.0;
   SubmapScheduler scheduler(config);
   for (int i = 0; i < 500; ++i) {
-    scheduler.add_scan(i * 1000000, tilted(0.001 * i, 0.0));
-    scheduler.add_scan(i * 1000000 - 500, tilted(100.0, 0.0));
+    scheduler.add_scan(i * 1000000LL, tilted(0.001 * i, 0.0));
+    scheduler.add_scan(i * 1000000LL - 500, tilted(100.0, 0.0));
   }
   const auto handover = scheduler.close("shutdown", {});
   ASSERT_TRUE(handover);
