@@ -87,6 +87,7 @@ TEST(Corridor, EqualsBruteForceOnRandomGrids) {
                 i % 2 ? VoxelState::kOccupied : VoxelState::kUnknown);
     }
     std::vector<Vec3> line;
+    line.reserve(4);
     for (int i = 0; i < 4; ++i) line.emplace_back(uniform(rng), uniform(rng), uniform(rng));
     const double radius = 0.9;
     double expected = -1.0, before = 0.0;
