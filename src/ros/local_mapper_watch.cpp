@@ -74,13 +74,14 @@ void LocalMapperNodelet::report(const MapperSensor& sensor) {
   count("scans_surplus", sensor.num_surplus);
 }
 
-/// A sensor that died is said for as long as others deliver; it costs them nothing.
+/// A sensor that died is said for as long as others deliver, but for the time in which another warning stands; it costs
+/// them nothing.
 void LocalMapperNodelet::watch_silence() {
   const std::vector<std::string> silent = silent_sensors(sensors_, clock().now_s());
   diagnostics().set_counter("sensors_silent", static_cast<double>(silent.size()));
   std::string text;
   for (const std::string& each : silent) text += (text.empty() ? "" : "; ") + each;
-  if (!text.empty()) warn(text);
+  if (!text.empty() && ros::SteadyTime::now() > warned_ + ros::WallDuration(kWarningHold_s)) warn(text);
 }
 
 /// Warns if beams without return shall clear space but none arrive, since nothing else would show why the sky stays

@@ -141,6 +141,7 @@ class SensorsTest(unittest.TestCase):
                 self.clouds["rear"].publish(lost)
             for _ in range(3):
                 self.scan("lidar")
+                self.look()
         self.expect_message("scan dropped: rear")
         self.expect_message("nowhere")
         self.assertTrue(wait_for(lambda: self.counter("rear/scans_dropped") == dropped + 3))
