@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "content_builder.hpp"
+#include "sparse_bits.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using geometry::Index3;
@@ -46,7 +47,7 @@ std::shared_ptr<submap::Submap> random_submap(unsigned seed) {
   occupancy::MapContent content = test::random_content(seed, 34, 0.03, 0.3, kVoxel);
   std::mt19937 rng(seed);
   for (occupancy::ContentBlock& block : content.blocks) {
-    for (std::uint64_t& word : block.observed_free) word &= ~(rng() & rng());
+    for (std::uint64_t& word : block.observed_free) word &= ~test::sparse_bits(&rng, 2);
     for (occupancy::OccupiedVoxel& leaf : block.occupied) {
       leaf.observed.mean[0] = static_cast<std::int8_t>(leaf.observed.mean[0] / 2);
       if (rng() % 3 == 0) leaf.observed.hits = 0;

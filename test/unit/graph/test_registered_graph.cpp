@@ -27,8 +27,8 @@ Flight ring_flight(const ForestWorld& world, int count, double radius_m, const P
   Flight flight;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * M_PI * i / (count - 1);
-    flight.truth.push_back(
-        {radius_m * std::cos(angle), radius_m * std::sin(angle), 2.0, voxnav::geometry::wrap_angle(angle + M_PI / 2)});
+    flight.truth.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), 2.0,
+                              voxnav::geometry::wrap_angle(angle + M_PI / 2));
     if (i == 0) {
       flight.odometry.push_back(flight.truth[0]);
     } else {
