@@ -102,6 +102,7 @@ planning::ClearanceField field_of(const Site& site, bool unknown_is_flyable) {
 planning::PathPlannerConfig config_of(int kind) {
   planning::PathPlannerConfig config;
   config.goal_search_radius_m = 0.0;
+  config.escape_distance_m = 0.0;
   config.clearance_distance_m = kind % 2 == 0 ? 0.0 : 2.0;
   if (kind >= 2) config.unknown_policy = UnknownPolicy::kPenalise;
   if (kind >= 4) {
@@ -145,8 +146,7 @@ bool touches_only_known(const containers::StateGrid& grid, const std::vector<Vec
 
 TEST(PathPlannerProperty, PathsKeepTheDistanceAndStayNearTheLowerBound) {
   int num_paths = 0, num_blocked = 0;
-  double worst = 0.0;
-  for (int seed = 0; seed < 120; ++seed) {
+  for (int seed = 0; seed < 240; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Site site(seed);
     const planning::PathPlannerConfig config = config_of(seed % 6);
@@ -156,7 +156,7 @@ TEST(PathPlannerProperty, PathsKeepTheDistanceAndStayNearTheLowerBound) {
     const auto lattice = oracle(site, config, start, goal);
     if (lattice.status != PlanStatus::kComplete) {
       ++num_blocked;
-      ASSERT_NE(plan.status, PlanStatus::kComplete) << explain(plan.status);
+      ASSERT_NE(plan.status, PlanStatus::kComplete) << explain(lattice.status);
       continue;
     }
     ASSERT_EQ(plan.status, PlanStatus::kComplete) << explain(plan.status);
@@ -172,13 +172,10 @@ TEST(PathPlannerProperty, PathsKeepTheDistanceAndStayNearTheLowerBound) {
       }
     }
     ASSERT_GE(plan.cost_m, plan.length_m - 1e-9);
-    // Near the start costs may change by a factor of ten from one cell to the next; no promise is made there.
-    if (config.unknown_policy == UnknownPolicy::kOptimisticFar || lattice.cost_m == 0.0) continue;
-    worst = std::max(worst, plan.cost_m / lattice.cost_m);
+    ASSERT_LE(plan.cost_m, config.suboptimality_bound * lattice.cost_m + 1e-6);
   }
-  EXPECT_GT(num_paths, 100);
-  EXPECT_GT(num_blocked, 2);
-  EXPECT_LE(worst, 1.05) << "any-angle paths are hardly ever dearer than the cheapest ones over the lattice";
+  EXPECT_GT(num_paths, 200);
+  EXPECT_GT(num_blocked, 4);
 }
 
 TEST(PathPlannerProperty, TheSamePathAgain) {

@@ -17,7 +17,9 @@ struct PathPlannerConfig {
   double optimistic_range_m = 8.0;
   double known_distance_m = 0.0;
   double near_unknown_weight = 10.0;
+  double suboptimality_bound = 1.05;
   double goal_search_radius_m = 4.0;
+  double escape_distance_m = 3.0;
   int max_shortening_checks = 4000;
 
   template <class V>
@@ -38,8 +40,16 @@ struct PathPlannerConfig {
       "within optimistic_range_m of the start, cells nearer than this to unknown ones cost more; 0 = no effect");
     v("near_unknown_weight", &PathPlannerConfig::near_unknown_weight, base::in(0.0, 100.0), "",
       "extra cost per metre of cells nearer to unknown ones than known_distance_m");
+    v("suboptimality_bound", &PathPlannerConfig::suboptimality_bound, base::in(1.0, 5.0), "",
+      "the path costs at most this factor more than the cheapest one over the lattice of cells, unless a limit ends "
+      "the "
+      "search");
     v("goal_search_radius_m", &PathPlannerConfig::goal_search_radius_m, base::in(0.0, 20.0), "m",
-      "a goal that cannot be entered is replaced by the nearest cell within this radius that can be reached");
+      "a goal that cannot be entered is replaced by the nearest cell within this radius that can be reached; the "
+      "radius "
+      "grows where the goal is unknown or outside the map");
+    v("escape_distance_m", &PathPlannerConfig::escape_distance_m, base::in(0.0, 20.0), "m",
+      "a start too near to an obstacle may be left over this distance at most, never through occupied cells");
     v("max_shortening_checks", &PathPlannerConfig::max_shortening_checks, base::in(0, 1000000), "",
       "segments whose clearance is checked at most while the path is made shorter");
   }
@@ -53,12 +63,13 @@ struct AnyAnglePlan : PlanResult {
   double lower_bound_m = 0.0;
 };
 
-/// Finds short paths on a clearance field in three steps:
+/// Finds short paths on a clearance field in four steps:
 /// 1. A* over the runs of cells that lie on top of each other at equal cost, which stand for all their cells, so that
-/// open
-///    space costs no more than its ground plan. Its cost is a lower bound.
+///    open space costs no more than its ground plan. Its cost is a lower bound.
 /// 2. Lazy Theta* back from the goal over the same runs, led by the costs of step 1, with lines of sight in space.
 /// 3. Shortening in continuous space. Each segment keeps the safety distance exactly to the boxes of occupied voxels.
+/// 4. If the path costs more than suboptimality_bound times the lower bound: weighted A* over single cells, led by the
+///    costs of step 1, whose path keeps that bound and is shortened as well. The cheaper path is taken.
 /// Each run is expanded at most once in each of the two searches. Deterministic; all limits are numbers of operations.
 /// A planner may be used from several threads. Source: Nash, Koenig & Tovey, Lazy Theta*, AAAI 2010; Reijgwart et al.,
 /// RSS 2025 (arXiv 2602.21174): cells of many sizes, here of many heights. docs/maths/planning.md has the formulas.

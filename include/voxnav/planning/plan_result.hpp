@@ -20,14 +20,16 @@ enum class PlanStatus {
   kStartUnknown,
   kGoalBlocked,  ///< goal occupied or too near to an obstacle; the path leads to a free cell near it
   kGoalUnknown,
-  kOutsideMap,  ///< start or goal outside the view's box; the path, if any, leads towards the goal
+  kGoalEnclosed,     ///< the goal is free or unknown, but obstacles enclose the space around it
+  kGoalBelowGround,  ///< the goal is unknown, and the ground covers it far around
+  kOutsideMap,       ///< start or goal outside the view's box; the path, if any, leads towards the goal
   kInvalidInput
 };
 
 constexpr auto words_of(PlanStatus) {
-  return std::array{"complete",     "partial_timeout", "partial_limit", "partial_blocked",
-                    "no_path",      "start_blocked",   "start_unknown", "goal_blocked",
-                    "goal_unknown", "outside_map",     "invalid_input"};
+  return std::array{"complete",          "partial_timeout", "partial_limit", "partial_blocked", "no_path",
+                    "start_blocked",     "start_unknown",   "goal_blocked",  "goal_unknown",    "goal_enclosed",
+                    "goal_below_ground", "outside_map",     "invalid_input"};
 }
 /// Explains a status in one sentence for people.
 const char* explain(PlanStatus status);

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
-#include <queue>
 
 #include "planning/search.hpp"
+#include "planning/way_out.hpp"
 
 namespace voxnav::planning {
 namespace {
 
 using geometry::Index3;
-
-/// Bound on the work of an escape: a search that touches more cells than this is given up.
-constexpr std::size_t kMaxEscapeCells = 20000;
 
 std::int64_t distance_sq(const Index3& a, const Index3& b) {
   const std::int64_t x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
@@ -33,22 +29,6 @@ void for_each_in_ring(const Index3& center, int ring, Fn fn) {
       for (int x = -ring; x <= ring; x += step) fn(center + Index3{x, y, z});
     }
   }
-}
-
-struct Way {
-  double length;
-  Index3 parent;
-};
-using Ways = std::unordered_map<Index3, Way, geometry::Index3Hash>;
-
-std::vector<Index3> way_to(const Ways& ways, const Index3& start, Index3 voxel) {
-  std::vector<Index3> out = {voxel};
-  while (voxel != start) {
-    voxel = ways.at(voxel).parent;
-    out.push_back(voxel);
-  }
-  std::reverse(out.begin(), out.end());
-  return out;
 }
 
 }  // namespace
@@ -76,31 +56,9 @@ std::vector<Index3> escape(SearchSpace* space, CellCosts* costs, const Index3& s
     return costs->is_inside(voxel) && state != VoxelState::kOccupied &&
            (may_cross_unknown || state == VoxelState::kFree);
   };
-  using Item = std::pair<double, Index3>;
-  std::priority_queue<Item, std::vector<Item>, std::greater<Item>> open;
-  Ways ways = {{start, {0.0, start}}};
-  open.push({0.0, start});
-  while (!open.empty() && ways.size() < kMaxEscapeCells && !budget.is_late()) {
-    const auto [length, voxel] = open.top();
-    open.pop();
-    if (length > ways[voxel].length) continue;
-    if (is_enterable(space, voxel)) return way_to(ways, start, voxel);
-    std::uint32_t crossable = 0;
-    for (int move = 0; move < kNumMoves; ++move) {
-      if (move != kNoMove && may_cross(voxel + moves()[move].step)) crossable |= 1u << move;
-    }
-    for (int move = 0; move < kNumMoves; ++move) {
-      const Move& step = moves()[move];
-      const Index3 next = voxel + step.step;
-      const double next_length = length + std::sqrt(static_cast<double>(step.num_axes));
-      if (move == kNoMove || (crossable & step.touched) != step.touched || next_length > radius_cells) continue;
-      const auto [it, is_new] = ways.try_emplace(next, Way{next_length, voxel});
-      if (!is_new && it->second.length <= next_length) continue;
-      it->second = {next_length, voxel};
-      open.push({next_length, next});
-    }
-  }
-  return {};
+  return find_way_out(start, radius_cells,
+                      {may_cross, [space](const Index3& voxel) { return is_enterable(space, voxel); },
+                       [&budget] { return budget.is_late(); }});
 }
 
 }  // namespace voxnav::planning

@@ -23,6 +23,10 @@ const char* explain(PlanStatus status) {
       return "goal is inside or too near to an obstacle";
     case PlanStatus::kGoalUnknown:
       return "goal is in unknown space";
+    case PlanStatus::kGoalEnclosed:
+      return "goal is enclosed by obstacles";
+    case PlanStatus::kGoalBelowGround:
+      return "goal is below the ground";
     case PlanStatus::kOutsideMap:
       return "start or goal is outside the map";
     case PlanStatus::kInvalidInput:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planning/cell_costs.hpp"
+#include "planning/moves.hpp"
 
 namespace voxnav::planning {
 
@@ -19,10 +20,6 @@ struct CellRef {
 };
 
 constexpr std::uint64_t kUnreached = std::numeric_limits<std::uint64_t>::max();
-/// Moves are numbered 0 to 26: (x + 1) + 3 (y + 1) + 9 (z + 1) for a step (x, y, z); number 13 stands still.
-constexpr int kNumMoves = 27;
-constexpr int kNoMove = 13;
-
 /// The cells of a search with their costs and search nodes, in blocks that are created when first touched. The memory
 /// of the blocks is bounded.
 class SearchSpace {
@@ -62,14 +59,5 @@ class SearchSpace {
   std::vector<std::unique_ptr<Block>> blocks_;
   std::unordered_map<geometry::Index3, std::uint32_t, geometry::Index3Hash> numbers_;
 };
-
-/// A move: its step, the number of axes along which it goes, and the cells of the 3^3 neighbourhood that it touches
-/// (one bit for each move number).
-struct Move {
-  geometry::Index3 step;
-  int num_axes;
-  std::uint32_t touched;
-};
-const std::array<Move, kNumMoves>& moves();
 
 }  // namespace voxnav::planning

@@ -104,6 +104,11 @@ const ClearanceBlock* ClearanceField::Impl::block_of(const Index3& voxel) const 
   return slot == ClearanceBlock::kNoSlot ? nullptr : &blocks_.at(slot);
 }
 
+VoxelState ClearanceField::Impl::state(const Index3& voxel) const {
+  const ClearanceBlock* block = block_of(voxel);
+  return block == nullptr ? VoxelState::kUnknown : block->states.get(geometry::offset_in_block(voxel));
+}
+
 std::uint32_t ClearanceField::Impl::component(const Index3& voxel) const {
   const ClearanceBlock* block = block_of(voxel);
   if (block == nullptr) {

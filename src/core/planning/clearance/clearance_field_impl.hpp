@@ -19,6 +19,7 @@ class ClearanceField::Impl {
   double clearance_m() const { return std::max(0.0, config_.safety_distance_m - grown_by_m_); }
   /// The block that holds a voxel; null if the field has none, and all of it is unknown, far from obstacles.
   const ClearanceBlock* block_of(const geometry::Index3& voxel) const;
+  VoxelState state(const geometry::Index3& voxel) const;
   std::uint32_t component(const geometry::Index3& voxel) const;
   /// Calls fn(box) for each run of occupied voxels in a column that touches a box of voxels, cut to that box.
   template <class Fn>

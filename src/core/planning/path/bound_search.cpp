@@ -23,10 +23,8 @@ BoundSearch::End BoundSearch::run(Number start, WorkBudget* budget) {
     reached(top.number).is_closed = true;
     --budget->expansions_left;
     ++expansions_;
-    if (top.number == goal_) {
-      goal_cost_ = top.cost;
-      return End::kGoal;
-    }
+    last_f_ = top.f;
+    if (top.number == goal_) return End::kGoal;
     expand(top.number, top.cost);
   }
   return graph_.has_refused() ? End::kLimit : End::kExhausted;
@@ -69,7 +67,7 @@ double BoundSearch::bound(Number number) const {
   }
   // What was not expanded is no nearer than this, since the heuristic is consistent.
   const std::uint64_t rest = heuristic(number);
-  return rest < goal_cost_ ? static_cast<double>(goal_cost_ - rest) / static_cast<double>(kUnit) : 0.0;
+  return rest < last_f_ ? static_cast<double>(last_f_ - rest) / static_cast<double>(kUnit) : 0.0;
 }
 
 Number BoundSearch::nearest_to(const geometry::Vec3& point) const {

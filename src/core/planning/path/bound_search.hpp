@@ -28,7 +28,7 @@ class BoundSearch {
 
   End run(RunGraph::Number start, WorkBudget* budget);
 
-  /// Lower bound of the cost from the start to a run [voxel edges at unit cost]. Precondition: run() reached the goal.
+  /// Lower bound of the cost from the start to a run [voxel edges at unit cost], exact for runs that run() expanded.
   double bound(RunGraph::Number number) const;
   /// Among the expanded runs, the one nearest to a point.
   RunGraph::Number nearest_to(const geometry::Vec3& point) const;
@@ -65,7 +65,7 @@ class BoundSearch {
   std::vector<Reached> reached_;
   std::vector<Entry> open_;
   std::uint64_t expansions_ = 0;
-  std::uint64_t goal_cost_ = 0;
+  std::uint64_t last_f_ = 0;  ///< no run that was not expanded has a lower sum of cost and heuristic
 };
 
 }  // namespace voxnav::planning

@@ -6,12 +6,13 @@
 #include <cmath>
 
 #include "planning/path/any_angle_search.hpp"
+#include "planning/path/lattice_search.hpp"
+#include "planning/path/path_ends.hpp"
 #include "planning/path/shorten.hpp"
 
 namespace voxnav::planning {
 namespace {
 
-using geometry::Index3;
 using geometry::Vec3;
 using Number = RunGraph::Number;
 
@@ -27,18 +28,18 @@ class PathSearch {
         resolution_m_(field.resolution_m()),
         costs_(field, config, start),
         graph_(&costs_, static_cast<std::size_t>(config.max_memory_mib * 0.5 * 1048576.0)),
+        clearance_(field_, field_.clearance_m() / resolution_m_),
         start_(start / resolution_m_),
         goal_(goal / resolution_m_),
-        start_cell_(geometry::index_of(start_, 1.0)),
-        goal_cell_(geometry::index_of(goal_, 1.0)) {
+        ends_(find_ends(&graph_, config, start_, goal_)) {
     budget_.expansions_left = static_cast<std::uint64_t>(config.max_expansions);
     budget_.max_bytes = static_cast<std::size_t>(config.max_memory_mib * 1048576.0);
+    result_.status = ends_.status;
   }
 
   AnyAnglePlan run() {
-    if (!check_start()) return std::move(result_);
-    check_goal();
-    if (goal_run_ != RunGraph::kNone) search();
+    if (ends_.status != PlanStatus::kComplete) result_.lower_bound_m = std::numeric_limits<double>::infinity();
+    if (ends_.has_path()) search();
     result_.is_partial = !result_.path.empty() && result_.status != PlanStatus::kComplete;
     result_.remaining_m =
         ((result_.path.empty() ? start_ * resolution_m_ : result_.path.back()) - goal_ * resolution_m_).norm();
@@ -46,94 +47,13 @@ class PathSearch {
   }
 
  private:
-  bool refuse(PlanStatus status) {
-    result_.status = status;
-    return false;
-  }
-
-  VoxelState state(const Index3& voxel) const {
-    const ClearanceBlock* block = field_.block_of(voxel);
-    return block == nullptr ? VoxelState::kUnknown : block->states.get(geometry::offset_in_block(voxel));
-  }
-
-  bool check_start() {
-    if (!field_.bounds().contains(start_cell_)) return refuse(PlanStatus::kOutsideMap);
-    start_run_ = graph_.find(start_cell_);
-    if (start_run_ != RunGraph::kNone) return true;
-    const bool is_unknown = state(start_cell_) == VoxelState::kUnknown;
-    return refuse(is_unknown && config_.unknown_policy != UnknownPolicy::kPenalise ? PlanStatus::kStartUnknown
-                                                                                   : PlanStatus::kStartBlocked);
-  }
-
-  /// Finds the run of the goal, or of the nearest cell to it that may be reached, and why the goal itself may not.
-  void check_goal() {
-    result_.status = PlanStatus::kComplete;
-    const bool is_inside = field_.bounds().contains(goal_cell_);
-    if (is_inside) goal_run_ = graph_.find(goal_cell_);
-    const bool is_reachable = goal_run_ != RunGraph::kNone && may_connect(goal_cell_);
-    if (is_reachable) return;
-    result_.lower_bound_m = std::numeric_limits<double>::infinity();
-    if (goal_run_ != RunGraph::kNone) {
-      result_.status = PlanStatus::kPartialBlocked;
-    } else if (!is_inside) {
-      result_.status = PlanStatus::kOutsideMap;
-    } else {
-      const bool is_unknown = state(goal_cell_) == VoxelState::kUnknown;
-      const bool may_be_unknown = config_.unknown_policy == UnknownPolicy::kPenalise;
-      result_.status = is_unknown && !may_be_unknown ? PlanStatus::kGoalUnknown : PlanStatus::kGoalBlocked;
-    }
-    goal_run_ = RunGraph::kNone;
-    const auto substitute = nearest_connected();
-    if (!substitute) return;
-    goal_run_ = graph_.find(*substitute);
-    end_ = geometry::center_of(*substitute, 1.0);
-  }
-
-  /// False only if the labels of the field say that there is no way.
-  bool may_connect(const Index3& voxel) const {
-    const bool is_known_only = config_.unknown_policy == UnknownPolicy::kForbid;
-    if (!is_known_only && !field_.config().unknown_is_flyable) return true;
-    const std::uint32_t a = field_.component(start_cell_), b = field_.component(voxel);
-    return a == b;
-  }
-
-  /// The nearest cell to the goal within goal_search_radius_m that may be entered and is connected with the start.
-  std::optional<Index3> nearest_connected() {
-    const VoxelBox& bounds = field_.bounds();
-    const Vec3 low = geometry::center_of(bounds.low, 1.0), high = geometry::center_of(bounds.high, 1.0);
-    const Index3 center = geometry::index_of(goal_.cwiseMax(low).cwiseMin(high), 1.0);
-    const double radius = config_.goal_search_radius_m / resolution_m_;
-    std::optional<Index3> best;
-    double best_squared = radius * radius;
-    const int reach = static_cast<int>(radius);
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        const double flat = x * x + y * y;
-        if (flat > best_squared) continue;
-        const RunGraph::Column column = graph_.column(center.x + x, center.y + y);
-        for (Number n = column.first; n < column.end; ++n) {
-          const CellRun& run = graph_.node(n).run;
-          const Index3 cell{center.x + x, center.y + y, std::min(std::max(center.z, run.low), run.high)};
-          const double squared = flat + std::pow(cell.z - center.z, 2);
-          if (squared > best_squared || (best && squared == best_squared) || !may_connect(cell)) continue;
-          best = cell;
-          best_squared = squared;
-        }
-      }
-    }
-    return best;
-  }
-
   void search() {
-    BoundSearch bounds(&graph_, goal_run_);
-    const BoundSearch::End end = bounds.run(start_run_, &budget_);
+    BoundSearch bounds(&graph_, ends_.goal_run);
+    const BoundSearch::End end = bounds.run(ends_.start_run, &budget_);
     result_.expansions = bounds.expansions();
     if (end == BoundSearch::End::kGoal) {
-      const double straight = (geometry::center_of(start_cell_, 1.0) - geometry::center_of(goal_cell_, 1.0)).norm();
-      if (result_.status == PlanStatus::kComplete) {
-        result_.lower_bound_m = std::max(bounds.bound(goal_run_), straight) * resolution_m_;
-      }
-      find_path(bounds, goal_run_);
+      if (result_.status == PlanStatus::kComplete) result_.lower_bound_m = lower_bound(bounds) * resolution_m_;
+      find_path(bounds);
       return;
     }
     const bool is_limit = end == BoundSearch::End::kLimit;
@@ -144,53 +64,95 @@ class PathSearch {
     lead_near(bounds);
   }
 
+  double lower_bound(const BoundSearch& bounds) const {
+    return std::max(bounds.bound(ends_.goal_run), (center(ends_.way_out.back()) - center(ends_.goal_cell)).norm());
+  }
+
   /// Plans to the expanded run that is nearest to a goal which was not reached.
   void lead_near(const BoundSearch& searched) {
     const Number nearest = searched.nearest_to(goal_);
-    if (nearest == RunGraph::kNone || nearest == start_run_) {
+    if (nearest == RunGraph::kNone || nearest == ends_.start_run) {
       if (result_.status == PlanStatus::kPartialBlocked) result_.status = PlanStatus::kNoPath;
       return;
     }
     const RunGraph::Node node = graph_.node(nearest);
-    end_ = Vec3(node.x + 0.5, node.y + 0.5, std::min(std::max(goal_.z(), node.run.low + 0.5), node.run.high + 0.5));
+    const int height = static_cast<int>(std::floor(goal_.z()));
+    ends_.goal_cell = {node.x, node.y, std::min(std::max(height, node.run.low), node.run.high)};
+    ends_.goal_run = nearest;
+    ends_.is_substitute = true;
+    // Where the first search spent all that it had, the way to its best place still has to be found.
     budget_.expansions_left = static_cast<std::uint64_t>(config_.max_expansions);
-    BoundSearch bounds(&graph_, nearest);
-    const BoundSearch::End end = bounds.run(start_run_, &budget_);
-    result_.expansions += bounds.expansions();
-    if (end == BoundSearch::End::kGoal) find_path(bounds, nearest);
+    find_path(searched);
   }
 
-  void find_path(const BoundSearch& bounds, Number goal) {
-    const SegmentClearance clearance(field_, field_.clearance_m() / resolution_m_);
-    const Vec3 first = end_point(start_, clearance);
-    const Vec3 last = end_ ? *end_ : end_point(goal_, clearance);
-    std::vector<Vec3> sights = {first, last};
-    std::size_t bytes = bounds.memory_bytes();
-    if (goal != start_run_) {
-      AnyAngleSearch search(&graph_, &bounds, first);
-      sights = search.run(start_run_, goal, last, &budget_);
-      result_.expansions += search.expansions();
-      bytes += search.memory_bytes();
-    }
-    result_.memory_bytes = graph_.memory_bytes() + bytes;
-    if (sights.empty()) {
+  void find_path(const BoundSearch& bounds) {
+    const Vec3 first = ends_.way_out.size() > 1 ? center(ends_.way_out.back()) : end_point(start_);
+    const Vec3 last = ends_.is_substitute ? center(ends_.goal_cell) : end_point(goal_);
+    const double bound = lower_bound(bounds) * config_.suboptimality_bound;
+    consider(any_angle(bounds, first, last));
+    if (path_.empty() || cost_ > bound) consider(over_lattice(bounds, first, last));
+    result_.memory_bytes += graph_.memory_bytes() + bounds.memory_bytes();
+    if (path_.empty()) {
       const bool is_limit = budget_.expansions_left == 0 || result_.memory_bytes > budget_.max_bytes;
       if (result_.status == PlanStatus::kComplete) {
         result_.status = is_limit ? PlanStatus::kPartialLimit : PlanStatus::kNoPath;
       }
       return;
     }
-    PathShortening shortening(&graph_, &clearance, static_cast<std::uint64_t>(config_.max_shortening_checks));
-    const std::vector<Vec3> path = shortening.run(sights);
-    result_.cost_m = shortening.cost_of(path) * resolution_m_;
-    for (const Vec3& point : path) result_.path.push_back(point * resolution_m_);
-    for (std::size_t i = 1; i < path.size(); ++i) result_.length_m += (path[i] - path[i - 1]).norm() * resolution_m_;
+    finish();
   }
 
+  std::vector<Vec3> any_angle(const BoundSearch& bounds, const Vec3& first, const Vec3& last) {
+    if (ends_.goal_run == ends_.start_run) return {first, last};
+    AnyAngleSearch search(&graph_, &bounds, first);
+    std::vector<Vec3> sights = search.run(ends_.start_run, ends_.goal_run, last, &budget_);
+    result_.expansions += search.expansions();
+    result_.memory_bytes = std::max<std::uint64_t>(result_.memory_bytes, search.memory_bytes());
+    return sights;
+  }
+
+  std::vector<Vec3> over_lattice(const BoundSearch& bounds, const Vec3& first, const Vec3& last) {
+    LatticeSearch search(&graph_, &bounds, config_.suboptimality_bound);
+    std::vector<Vec3> cells = search.run(ends_.way_out.back(), ends_.goal_cell, &budget_);
+    result_.expansions += search.expansions();
+    result_.memory_bytes = std::max<std::uint64_t>(result_.memory_bytes, search.memory_bytes());
+    if (cells.empty()) return cells;
+    if (cells.front() != first) cells.insert(cells.begin(), first);
+    if (cells.back() != last) cells.push_back(last);
+    return cells;
+  }
+
+  /// Shortens a path, and takes it if it is cheaper than the one before.
+  void consider(const std::vector<Vec3>& points) {
+    if (points.empty()) return;
+    PathShortening shortening(&graph_, &clearance_, static_cast<std::uint64_t>(config_.max_shortening_checks));
+    std::vector<Vec3> path = shortening.run(points);
+    const double cost = shortening.cost_of(path);
+    if (!path_.empty() && cost >= cost_) return;
+    path_ = std::move(path);
+    cost_ = cost;
+  }
+
+  /// Puts the way out of a blocked start before the path. The cells of it cost their length alone.
+  void finish() {
+    std::vector<Vec3> before;
+    if (ends_.way_out.size() > 1) before.push_back(start_);
+    for (std::size_t i = 1; i + 1 < ends_.way_out.size(); ++i) before.push_back(center(ends_.way_out[i]));
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      cost_ += ((i + 1 < before.size() ? before[i + 1] : path_.front()) - before[i]).norm();
+    }
+    path_.insert(path_.begin(), before.begin(), before.end());
+    result_.cost_m = cost_ * resolution_m_;
+    for (const Vec3& point : path_) result_.path.push_back(point * resolution_m_);
+    for (std::size_t i = 1; i < path_.size(); ++i) result_.length_m += (path_[i] - path_[i - 1]).norm() * resolution_m_;
+  }
+
+  static Vec3 center(const geometry::Index3& cell) { return geometry::center_of(cell, 1.0); }
+
   /// The point itself, or the centre of its cell if the way between them is not clear.
-  static Vec3 end_point(const Vec3& point, const SegmentClearance& clearance) {
-    const Vec3 center = geometry::center_of(geometry::index_of(point, 1.0), 1.0);
-    return clearance.is_clear(point, center) ? point : center;
+  Vec3 end_point(const Vec3& point) const {
+    const Vec3 middle = center(geometry::index_of(point, 1.0));
+    return clearance_.is_clear(point, middle) ? point : middle;
   }
 
   const ClearanceField::Impl& field_;
@@ -198,14 +160,13 @@ class PathSearch {
   double resolution_m_;
   RunCosts costs_;
   RunGraph graph_;
+  SegmentClearance clearance_;
   Vec3 start_;
   Vec3 goal_;
-  Index3 start_cell_;
-  Index3 goal_cell_;
-  Number start_run_ = RunGraph::kNone;
-  Number goal_run_ = RunGraph::kNone;
-  std::optional<Vec3> end_;  ///< end of the path if it is not the goal
+  PathEnds ends_;
   WorkBudget budget_;
+  std::vector<Vec3> path_;  ///< the cheapest so far
+  double cost_ = 0.0;
   AnyAnglePlan result_;
 };
 
