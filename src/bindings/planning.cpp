@@ -175,10 +175,6 @@ void bind_planning(py::module_& m) {
   bind_plan_result(m);
   bind_corridor(m);
   bind_clearance_field(m);
-  py::class_<StopFlag>(m, "StopFlag", "Cancels a search from another thread. Thread-safe.")
-      .def(py::init<>())
-      .def("raise_", &StopFlag::raise)
-      .def_property_readonly("is_raised", &StopFlag::is_raised);
   bind_config<AStarConfig>(m, "AStarConfig", "Costs and limits of a search.");
   py::class_<AStarPlanner>(m, "AStarPlanner",
                            "Bounded A* on voxels: 26 neighbours, no corner cutting, octile heuristic.")

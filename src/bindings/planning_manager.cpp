@@ -54,16 +54,17 @@ void bind_outcome(py::module_& m) {
       .def_readonly("is_to_goal", &PlanOutcome::is_to_goal)
       .def_readonly("corridor_radius_m", &PlanOutcome::corridor_radius_m)
       .def_readonly("left_m", &PlanOutcome::left_m)
+      .def_readonly("field_s", &PlanOutcome::field_s, "Time that bringing the field up to date took [s].")
       .def_readonly("problem", &PlanOutcome::problem);
 }
 
-PlanOutcome plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config, const py::object& map,
-                     const py::object& start_O, const py::object& goal_O, const LimitValues& limits,
-                     const planning::StopFlag* stop) {
-  const auto view = view_of(map, planner.config().safety_distance_m);
-  const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits), stop};
+PlanOutcome plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+                     const PlanningManagerConfig& config, const py::object& map, const py::object& start_O,
+                     const py::object& goal_O, const LimitValues& limits) {
+  const auto view = view_of(map, field->config().safety_distance_m);
+  const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits)};
   py::gil_scoped_release release;
-  return run_plan_job(planner, config, *view, task);
+  return run_plan_job(planner, field, config, *view, task);
 }
 
 SafePart safe_part_of(const PlanningManagerConfig& config, const std::shared_ptr<OccupancyView>& view,
@@ -95,17 +96,22 @@ void bind_planning_manager(py::module_& m) {
                                      "Times, distances and timeouts of the planning manager.");
   bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
                                   "Frames, rates, services and heartbeats of the planning_manager node.");
-  bind_config<FlightSearchConfig>(m, "FlightSearchConfig", "AStarConfig with the defaults of the planning manager.")
+  bind_config<FlightSearchConfig>(m, "FlightSearchConfig",
+                                  "Search of the planning manager: PathPlannerConfig with its defaults, and the field.")
       .def(
-          "search_config", [](const FlightSearchConfig& c) { return planning::AStarConfig(c); },
-          "Returns the values as an AStarConfig.");
+          "planner_config", [](const FlightSearchConfig& c) { return planning::PathPlannerConfig(c); },
+          "Returns the values as a PathPlannerConfig.")
+      .def("field_config", &FlightSearchConfig::field_config,
+           "Returns the ClearanceFieldConfig of a field that keeps the distances which the search needs.");
   bind_trajectory(m);
   bind_outcome(m);
   bind_safe_part(m);
-  m.def("run_plan_job", &plan_job, py::arg("planner"), py::arg("config"), py::arg("view"), py::arg("start_O"),
-        py::arg("goal_O"), py::arg("limits"), py::arg("stop") = nullptr,
-        "Searches a path and cuts it to known free space and to the longest flight time. Releases the GIL.\n\n"
-        "stop: StopFlag that ends the search instead of the planner's timeout_s.");
+  m.def(
+      "run_plan_job", &plan_job, py::arg("planner"), py::arg("field"), py::arg("config"), py::arg("view"),
+      py::arg("start_O"), py::arg("goal_O"), py::arg("limits"),
+      "Brings the field up to date with the view, searches a path on it, and cuts that to known free space and to the\n"
+      "longest flight time. The field must not be used by others meanwhile. Releases the GIL.\n\n"
+      "planner: PathPlanner; field: ClearanceField with a FlightSearchConfig.field_config().");
 }
 
 }  // namespace voxnav::bindings

@@ -240,10 +240,10 @@ class FinishedSubmap:
     def T_S_B(self) -> Array: ...
 
 class FlightSearchConfig:
-    max_expansions: int
-    timeout_s: float
-    max_memory_mib: float
     safety_distance_m: float
+    max_field_memory_mib: float
+    max_expansions: int
+    max_memory_mib: float
     clearance_distance_m: float
     clearance_weight: float
     unknown_policy: str
@@ -251,24 +251,25 @@ class FlightSearchConfig:
     optimistic_range_m: float
     known_distance_m: float
     near_unknown_weight: float
-    heuristic_weight: float
+    suboptimality_bound: float
     goal_search_radius_m: float
     escape_distance_m: float
-    simplify: bool
+    max_shortening_checks: int
     def __init__(
         self, *,
-        max_expansions: int = ..., timeout_s: float = ..., max_memory_mib: float = ...,
-        safety_distance_m: float = ..., clearance_distance_m: float = ..., clearance_weight: float = ...,
+        safety_distance_m: float = ..., max_field_memory_mib: float = ..., max_expansions: int = ...,
+        max_memory_mib: float = ..., clearance_distance_m: float = ..., clearance_weight: float = ...,
         unknown_policy: str = ..., unknown_cost: float = ..., optimistic_range_m: float = ...,
-        known_distance_m: float = ..., near_unknown_weight: float = ..., heuristic_weight: float = ...,
-        goal_search_radius_m: float = ..., escape_distance_m: float = ..., simplify: bool = ...
+        known_distance_m: float = ..., near_unknown_weight: float = ..., suboptimality_bound: float = ...,
+        goal_search_radius_m: float = ..., escape_distance_m: float = ..., max_shortening_checks: int = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> FlightSearchConfig: ...
     def to_dict(self) -> Dict[Any, Any]: ...
     @staticmethod
     def describe() -> List[Any]: ...
-    def search_config(self) -> AStarConfig: ...
+    def planner_config(self) -> PathPlannerConfig: ...
+    def field_config(self) -> ClearanceFieldConfig: ...
 
 class GnssType(str, enum.Enum):
     NONE = "none"
@@ -780,14 +781,17 @@ class PathPlannerConfig:
     optimistic_range_m: float
     known_distance_m: float
     near_unknown_weight: float
+    suboptimality_bound: float
     goal_search_radius_m: float
+    escape_distance_m: float
     max_shortening_checks: int
     def __init__(
         self, *,
         max_expansions: int = ..., max_memory_mib: float = ..., clearance_distance_m: float = ...,
         clearance_weight: float = ..., unknown_policy: str = ..., unknown_cost: float = ...,
         optimistic_range_m: float = ..., known_distance_m: float = ..., near_unknown_weight: float = ...,
-        goal_search_radius_m: float = ..., max_shortening_checks: int = ...
+        suboptimality_bound: float = ..., goal_search_radius_m: float = ..., escape_distance_m: float = ...,
+        max_shortening_checks: int = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> PathPlannerConfig: ...
@@ -842,7 +846,7 @@ class PclFiltersConfig:
 
 class PlanOutcome:
     @property
-    def plan(self) -> PlanResult: ...
+    def plan(self) -> AnyAnglePlan: ...
     @property
     def status(self) -> Any: ...
     @property
@@ -853,6 +857,8 @@ class PlanOutcome:
     def corridor_radius_m(self) -> float: ...
     @property
     def left_m(self) -> float: ...
+    @property
+    def field_s(self) -> float: ...
     @property
     def problem(self) -> str: ...
 
@@ -886,6 +892,8 @@ class PlanStatus(str, enum.Enum):
     START_UNKNOWN = "start_unknown"
     GOAL_BLOCKED = "goal_blocked"
     GOAL_UNKNOWN = "goal_unknown"
+    GOAL_ENCLOSED = "goal_enclosed"
+    GOAL_BELOW_GROUND = "goal_below_ground"
     OUTSIDE_MAP = "outside_map"
     INVALID_INPUT = "invalid_input"
 
@@ -1060,12 +1068,6 @@ class StateGrid:
     def resolution_m(self) -> float: ...
     @property
     def memory_bytes(self) -> int: ...
-
-class StopFlag:
-    def __init__(self) -> None: ...
-    def raise_(self) -> None: ...
-    @property
-    def is_raised(self) -> bool: ...
 
 class Submap(DistanceField):
     @staticmethod
@@ -1391,7 +1393,7 @@ def quaternion_of(T_A_B: Array) -> Tuple[Any, ...]: ...
 
 def read_sweep(data: bytes, layout: CloudLayout, stamp_ns: int = ...) -> Sweep: ...
 
-def run_plan_job(planner: AStarPlanner, config: PlanningManagerConfig, view: Any, start_O: Any, goal_O: Any, limits: Sequence[float], stop: Optional[StopFlag] = ...) -> PlanOutcome: ...
+def run_plan_job(planner: PathPlanner, field: ClearanceField, config: PlanningManagerConfig, view: Any, start_O: Any, goal_O: Any, limits: Sequence[float]) -> PlanOutcome: ...
 
 def safe_part(config: PlanningManagerConfig, view: OccupancyView, trajectory: Trajectory, from_arc_m: float, radius_m: float, velocity_O: Any, limits: Sequence[float]) -> SafePart: ...
 

@@ -28,9 +28,10 @@ class FakeFlight:
         self.map = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0, max_altitude_m=20.0))
         self.config = voxnav.PlanningManagerConfig(**config)
         self.manager = voxnav.PlanningManager(self.config, -5.0, 20.0)
-        self.planner = voxnav.AStarPlanner(
-            voxnav.AStarConfig(unknown_policy="penalise", safety_distance_m=0.9, simplify=True, timeout_s=20.0)
-        )
+        search = voxnav.FlightSearchConfig(unknown_policy="penalise", unknown_cost=2.0, safety_distance_m=0.9,
+                                           clearance_distance_m=0.0, known_distance_m=0.0)
+        self.planner = voxnav.PathPlanner(search.planner_config())
+        self.field = voxnav.ClearanceField(search.field_config())
         self.now = 100.0
         self.flown = None  # (points, dt, begin)
         self.log, self.track = [], []
@@ -111,7 +112,7 @@ class FakeFlight:
     def answer(self, action):
         problem = "refused for the test" if action.name in self.fails else ""
         if isinstance(action, Plan):
-            outcome = voxnav.run_plan_job(self.planner, self.config, self.map.view(), action.start_O, action.goal_O,
+            outcome = voxnav.run_plan_job(self.planner, self.field, self.config, self.map.view(), action.start_O, action.goal_O,
                                           LIMITS)
             return self.manager.plan_done(action.job, outcome, self.now)
         if isinstance(action, Generate):

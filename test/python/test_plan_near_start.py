@@ -32,8 +32,9 @@ def plan(vehicle, goal, **search):
     nav.set_vehicle(vehicle)
     nav.set_T_W_O(np.eye(4))
     view = nav.view()
-    planner = voxnav.AStarPlanner(voxnav.FlightSearchConfig(timeout_s=20.0, **search).search_config())
-    return view, voxnav.run_plan_job(planner, voxnav.PlanningManagerConfig(), view, vehicle, goal, LIMITS)
+    config = voxnav.FlightSearchConfig(**search)
+    planner, field = voxnav.PathPlanner(config.planner_config()), voxnav.ClearanceField(config.field_config())
+    return view, voxnav.run_plan_job(planner, field, voxnav.PlanningManagerConfig(), view, vehicle, goal, LIMITS)
 
 
 OFFSETS = list(itertools.product((0.0, 0.13, 0.31), (0.05, 0.25), (0.0, 0.2, 0.35)))

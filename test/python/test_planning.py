@@ -116,7 +116,7 @@ def test_path_planner_leads_through_the_door_with_exact_clearance():
     assert plan.lower_bound_m <= plan.length_m * 1.09 and plan.expansions > 0 and plan.seconds > 0.0
 
 
-@pytest.mark.parametrize("goal, status", [((20.8, 9.6, 3.2), "partial_blocked"), ((12.2, 1.0, 1.0), "goal_blocked"),
+@pytest.mark.parametrize("goal, status", [((20.8, 9.6, 3.2), "goal_enclosed"), ((12.2, 1.0, 1.0), "goal_blocked"),
                                           ((np.nan, 1.0, 1.0), "invalid_input")],
                          ids=["closed box", "wall", "not a number"])
 def test_path_planner_knows_that_a_goal_cannot_be_reached_without_a_search(goal, status):

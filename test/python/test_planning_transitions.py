@@ -68,8 +68,9 @@ def view(occupied=None):
 
 
 def outcome(goal=(12.0, 0.0, 2.0), occupied=None):
-    planner = voxnav.AStarPlanner(voxnav.AStarConfig(safety_distance_m=0.9, simplify=True, timeout_s=30.0))
-    return voxnav.run_plan_job(planner, CONFIG, view(occupied), (0.0, 0.0, 2.0), goal, LIMITS)
+    planner = voxnav.PathPlanner(voxnav.PathPlannerConfig())
+    field = voxnav.ClearanceField(voxnav.ClearanceFieldConfig(safety_distance_m=0.9))
+    return voxnav.run_plan_job(planner, field, CONFIG, view(occupied), (0.0, 0.0, 2.0), goal, LIMITS)
 
 
 def generating(**kwargs):

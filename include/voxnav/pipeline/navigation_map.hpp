@@ -13,6 +13,8 @@
 
 namespace voxnav::pipeline {
 
+class PlacedObstacles;
+
 struct NavigationMapConfig {
   double min_altitude_m = 0.5;
   double max_altitude_m = 50.0;
@@ -46,6 +48,7 @@ class NavigationMap {
  public:
   /// @throws base::ConfigError
   explicit NavigationMap(const NavigationMapConfig& config);
+  ~NavigationMap();
 
   enum class Applied {
     kApplied,
@@ -81,6 +84,7 @@ class NavigationMap {
   Layer obstacles_;
   std::optional<geometry::Pose> T_W_O_;
   std::optional<geometry::Vec3> vehicle_O_;
+  mutable std::shared_ptr<const PlacedObstacles> placed_;  ///< kept from one view to the next while nothing moves
 };
 
 }  // namespace voxnav::pipeline

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "voxnav/base/config.hpp"
-#include "voxnav/planning/a_star.hpp"
+#include "voxnav/planning/clearance_field.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
+#include "voxnav/planning/path_planner.hpp"
 #include "voxnav/planning/trajectory.hpp"
 
 namespace voxnav::pipeline {
@@ -77,11 +78,12 @@ struct PlanningManagerConfig {
 
 /// A search and what may be flown of its path.
 struct PlanOutcome {
-  planning::PlanResult plan;
+  planning::AnyAnglePlan plan;
   std::vector<geometry::Vec3> waypoints_O;  ///< from the start to a stop in known free space; empty when there is none
   bool is_to_goal = false;  ///< the last waypoint is the goal, or so near to a blocked one that it counts as reached
   double corridor_radius_m = 0.0;  ///< known free around the waypoints
   double left_m = 0.0;             ///< way from the last waypoint to the goal, as planned
+  double field_s = 0.0;            ///< time that bringing the clearance field up to date took
   std::string problem;             ///< why there are no waypoints, for a person
 };
 
@@ -89,14 +91,16 @@ struct PlanOutcome {
 struct PlanTask {
   geometry::Vec3 start_O;
   geometry::Vec3 goal_O;
-  planning::DynamicsLimits limits;           ///< must be valid
-  const planning::StopFlag* stop = nullptr;  ///< ends the search; null: the planner's own timeout does
+  planning::DynamicsLimits limits;  ///< must be valid
 };
 
-/// Searches a way, then cuts it: to known free space with room to stop, and to the longest flight time.
-/// Takes as long as the search; safe to run in any thread.
-PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config,
-                         const planning::OccupancyView& view, const PlanTask& task);
+/// Brings the clearance field up to date with a view, searches a way on it, then cuts it: to known free space with room
+/// to stop, and to the longest flight time. Where the vehicle is nearer to something than its own radius, the way leads
+/// out of there first, never nearer than at the start. Takes as long as the search; a field serves one thread at a
+/// time.
+PlanOutcome run_plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+                         const PlanningManagerConfig& config, const planning::OccupancyView& view,
+                         const PlanTask& task);
 
 /// A trajectory from where the vehicle is, and what has to be known to stop on it.
 struct FlownTrajectory {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 
 #include "voxnav/base/config.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
@@ -69,16 +68,6 @@ struct AStarConfig {
   }
 };
 
-/// Cancels a search from another thread, for callers that measure its time by a clock of their own. Thread-safe.
-class StopFlag {
- public:
-  void raise() { is_raised_ = true; }
-  bool is_raised() const { return is_raised_; }
-
- private:
-  std::atomic<bool> is_raised_{false};
-};
-
 /// Bounded weighted A* on the voxels of a view, with 26 neighbours and without corner cutting. The heuristic is the
 /// octile distance; ties go to the larger cost so far; the open list deletes duplicates lazily. Each cell is expanded
 /// at most once: the path is the cheapest one with heuristic_weight 1, else its cost is at most that factor higher.
@@ -96,11 +85,8 @@ class AStarPlanner {
   /// @param view   map, which must not change during the call
   /// @param start  start and goal in the view's frame [m]; the result is kInvalidInput if one is not finite
   /// @param goal   see start
-  /// @param stop   flag that ends the search once it is raised and replaces timeout_s; with null the search ends after
-  ///               timeout_s of wall time
   /// @note O(n log n) in expanded cells; growing obstacles costs O(radius) for each touched cell
-  PlanResult plan(const OccupancyView& view, const geometry::Vec3& start, const geometry::Vec3& goal,
-                  const StopFlag* stop = nullptr) const;
+  PlanResult plan(const OccupancyView& view, const geometry::Vec3& start, const geometry::Vec3& goal) const;
 
   const AStarConfig& config() const { return config_; }
 

@@ -80,8 +80,15 @@ void NavigationMap::clear_obstacles() {
 std::shared_ptr<const planning::OccupancyView> NavigationMap::view() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (local_.grid == nullptr || !T_W_O_ || !vehicle_O_) return nullptr;
-  return std::make_shared<NavigationView>(config_,
-                                          NavigationView::Content{local_.grid, obstacles_.grid, *T_W_O_, *vehicle_O_});
+  const double resolution_m = local_.grid->resolution_m();
+  if (obstacles_.grid == nullptr) {
+    placed_ = nullptr;
+  } else if (placed_ == nullptr || !placed_->is_of(obstacles_.grid.get(), *T_W_O_, resolution_m)) {
+    placed_ = std::make_shared<PlacedObstacles>(obstacles_.grid, *T_W_O_, resolution_m);
+  }
+  return std::make_shared<NavigationView>(config_, NavigationView::Content{local_.grid, placed_, *T_W_O_, *vehicle_O_});
 }
+
+NavigationMap::~NavigationMap() = default;
 
 }  // namespace voxnav::pipeline

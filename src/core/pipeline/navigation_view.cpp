@@ -81,12 +81,7 @@ std::vector<Index3> NavigationView::known_blocks() const {
   if (bounds_.min.z() < low.z()) add_blocks({bounds_.min, {high.x(), high.y(), low.z()}}, &out);
   if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
   if (content_.obstacles == nullptr) return out;
-  const double side = kSide * content_.obstacles->resolution_m();
-  for (const Index3& block : content_.obstacles->sorted_block_indices()) {
-    const Vec3 corner = Vec3(block.x, block.y, block.z) * side;
-    const geometry::Aabb box_W{corner, corner + Vec3::Constant(side)};
-    add_blocks(box_W.transformed(content_.T_W_O.inverse()), &out);
-  }
+  for (const geometry::Aabb& box : content_.obstacles->block_boxes()) add_blocks(box, &out);
   return out;
 }
 
@@ -106,27 +101,7 @@ bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) cons
 }
 
 bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) const {
-  if (content_.obstacles == nullptr) return false;
-  const containers::StateGrid& obstacles = *content_.obstacles;
-  const double side = kSide * obstacles.resolution_m();
-  const geometry::Aabb box_W = box_of(block).transformed(content_.T_W_O);
-  const Index3 low = geometry::index_of(box_W.min, side);
-  const Index3 high = geometry::index_of(box_W.max, side);
-  bool is_near = false;
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) is_near = is_near || obstacles.find_block({x, y, z}) != nullptr;
-    }
-  }
-  if (!is_near) return false;
-  bool is_any = false;
-  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    const Vec3 p_W = content_.T_W_O * geometry::center_of(geometry::voxel_at(block, offset), resolution_m());
-    if (obstacles.state(p_W) != VoxelState::kOccupied) continue;
-    mask->set(offset);
-    is_any = true;
-  }
-  return is_any;
+  return content_.obstacles != nullptr && content_.obstacles->mask(block, mask);
 }
 
 bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* soft) const {

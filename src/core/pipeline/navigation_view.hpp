@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "pipeline/placed_obstacles.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
 
 namespace voxnav::pipeline {
@@ -11,8 +12,8 @@ namespace voxnav::pipeline {
 class NavigationView : public planning::OccupancyView {
  public:
   struct Content {
-    std::shared_ptr<const containers::StateGrid> local;      ///< frame O
-    std::shared_ptr<const containers::StateGrid> obstacles;  ///< frame W, may be null
+    std::shared_ptr<const containers::StateGrid> local;  ///< frame O
+    std::shared_ptr<const PlacedObstacles> obstacles;    ///< of the global map, may be null
     geometry::Pose T_W_O;
     geometry::Vec3 vehicle_O;
   };

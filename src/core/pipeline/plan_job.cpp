@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 #include "planning/flight_time.hpp"
@@ -14,6 +15,11 @@ using geometry::Vec3;
 
 /// If the corridor of full radius ends within this distance, it is tried again with the vehicle's own radius.
 constexpr double kTightStart_m = 0.5;
+/// Steps in which a way out of a tight place is measured, its longest length, and the bisections of its radius, which
+/// leave less than a millimetre.
+constexpr double kWayOutStep_m = 0.1;
+constexpr double kLongestWayOut_m = 4.0;
+constexpr int kBisections = 10;
 /// A path that ends within this share of the goal's tolerance of a blocked goal counts as reaching it; the rest of the
 /// tolerance is left for tracking.
 constexpr double kSubstituteShare = 0.75;
@@ -37,13 +43,42 @@ struct SafeLength {
   double length_m;
   double radius_m;
   planning::CorridorResult corridor;
+  bool is_way_out = false;  ///< the vehicle is nearer to something than its own radius, and leaves that place
 };
+
+/// Returns the distance from a point to the nearest voxel that is not known to be free, up to a limit.
+double room_at(const planning::OccupancyView& view, const Vec3& point, double limit_m) {
+  double low = 0.0, high = limit_m;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (low + high);
+    (check_corridor(view, {point}, middle).is_safe ? low : high) = middle;
+  }
+  return low;
+}
+
+/// The part of a line that leads out of a place with less room than the vehicle's own radius: up to where that radius
+/// fits, and nowhere nearer to anything than the vehicle is already.
+SafeLength way_out(const PlanningManagerConfig& config, const planning::OccupancyView& view,
+                   const std::vector<Vec3>& line) {
+  SafeLength out{0.0, room_at(view, line.front(), config.min_corridor_radius_m), {}, true};
+  const double whole_m = planning::length_of(line);
+  for (double length_m = kWayOutStep_m; length_m < std::min(whole_m, kLongestWayOut_m); length_m += kWayOutStep_m) {
+    const std::vector<Vec3> part = planning::cut_at_length(line, length_m);
+    out.corridor = check_corridor(view, part, out.radius_m);
+    if (!out.corridor.is_safe) return out;
+    if (!check_corridor(view, {part.back()}, config.min_corridor_radius_m).is_safe) continue;
+    out.length_m = length_m;
+    return out;
+  }
+  return out;
+}
 
 SafeLength safe_length(const PlanningManagerConfig& config, const planning::OccupancyView& view,
                        const std::vector<Vec3>& line) {
   SafeLength out{0.0, config.corridor_radius_m, {}};
   out.corridor = check_corridor(view, line, config.corridor_radius_m + config.trajectory_deviation_m);
   if (!out.corridor.is_safe && out.corridor.first_unsafe_m < kTightStart_m) {
+    if (!check_corridor(view, {line.front()}, config.min_corridor_radius_m).is_safe) return way_out(config, view, line);
     out.radius_m = config.min_corridor_radius_m;
     out.corridor = check_corridor(view, line, config.min_corridor_radius_m);
   }
@@ -61,10 +96,14 @@ std::string too_short(const SafeLength& safe) {
 
 }  // namespace
 
-PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningManagerConfig& config,
-                         const planning::OccupancyView& view, const PlanTask& task) {
+PlanOutcome run_plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+                         const PlanningManagerConfig& config, const planning::OccupancyView& view,
+                         const PlanTask& task) {
   PlanOutcome out;
-  out.plan = planner.plan(view, task.start_O, task.goal_O, task.stop);
+  const auto begin = std::chrono::steady_clock::now();
+  field->update(view);
+  out.field_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  out.plan = planner.plan(*field, task.start_O, task.goal_O);
   if (out.plan.path.empty()) {
     out.problem = explain(out.plan.status);
     return out;
@@ -79,7 +118,7 @@ PlanOutcome run_plan_job(const planning::AStarPlanner& planner, const PlanningMa
   out.corridor_radius_m = safe.radius_m;
   out.is_to_goal = end_gap_m <= kSubstituteShare * config.goal_tolerance_m && cut_m >= whole_m - 1e-6;
   out.left_m = whole_m - cut_m + end_gap_m;
-  if (out.is_to_goal || (cut_m >= config.min_progress_m && safe.length_m > 0.0)) {
+  if (out.is_to_goal || (safe.length_m > 0.0 && (cut_m >= config.min_progress_m || safe.is_way_out))) {
     out.waypoints_O = cut;
   } else if (whole_m < config.min_progress_m) {
     out.problem = std::string(explain(out.plan.status)) + text(", %.1f m left", out.plan.remaining_m);

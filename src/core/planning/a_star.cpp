@@ -18,9 +18,8 @@ constexpr std::size_t kOpenEntryBytes = 24;
 /// Start and goal must lie within this many cells of the origin: farther ones exceed the range of a cell's index.
 constexpr double kMaxCells = 1e9;
 
-SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin, const StopFlag* stop) {
+SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::time_point begin) {
   SearchBudget budget;
-  budget.stop = stop;
   budget.deadline = begin + std::chrono::microseconds(std::llround(config.timeout_s * 1e6));
   budget.max_expansions = static_cast<std::uint64_t>(config.max_expansions);
   // A vector may need three times its size while it grows: the old storage and twice as much for the new one.
@@ -31,12 +30,11 @@ SearchBudget budget_of(const AStarConfig& config, std::chrono::steady_clock::tim
 /// One call of plan(). Its steps take any start and goal: a start is left and a goal replaced if it cannot be entered.
 class PlanCall {
  public:
-  PlanCall(const OccupancyView& view, const AStarConfig& config, const Vec3& start, const Vec3& goal,
-           const StopFlag* stop)
+  PlanCall(const OccupancyView& view, const AStarConfig& config, const Vec3& start, const Vec3& goal)
       : begin_(std::chrono::steady_clock::now()),
         view_(view),
         config_(config),
-        budget_(budget_of(config, begin_, stop)),
+        budget_(budget_of(config, begin_)),
         resolution_m_(view.resolution_m()),
         start_(start),
         goal_(goal),
@@ -164,12 +162,10 @@ class PlanCall {
 
 AStarPlanner::AStarPlanner(const AStarConfig& config) : config_(base::checked(config)) {}
 
-PlanResult AStarPlanner::plan(const OccupancyView& view, const Vec3& start, const Vec3& goal,
-                              const StopFlag* stop) const {
+PlanResult AStarPlanner::plan(const OccupancyView& view, const Vec3& start, const Vec3& goal) const {
   if (!start.allFinite() || !goal.allFinite()) return {};
   const Vec3 limit = Vec3::Constant(kMaxCells * view.resolution_m());
-  return PlanCall(view, config_, start.cwiseMin(limit).cwiseMax(-limit), goal.cwiseMin(limit).cwiseMax(-limit), stop)
-      .run();
+  return PlanCall(view, config_, start.cwiseMin(limit).cwiseMax(-limit), goal.cwiseMin(limit).cwiseMax(-limit)).run();
 }
 
 }  // namespace voxnav::planning

@@ -10,14 +10,12 @@
 
 namespace voxnav::planning {
 
-/// Limits shared by all loops of one planning call. The stop flag ends them if there is one, else the wall clock does;
-/// no other decision depends on the time.
+/// Limits shared by all loops of one planning call. Only whether it is late depends on the time.
 struct SearchBudget {
-  const StopFlag* stop = nullptr;
   std::chrono::steady_clock::time_point deadline;
   std::uint64_t max_expansions = 0;
   std::size_t max_open = 0;
-  bool is_late() const { return stop != nullptr ? stop->is_raised() : std::chrono::steady_clock::now() >= deadline; }
+  bool is_late() const { return std::chrono::steady_clock::now() >= deadline; }
 };
 
 enum class SearchEnd { kGoal, kExhausted, kTimeout, kLimit };

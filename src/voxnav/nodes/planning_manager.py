@@ -29,7 +29,8 @@ class PlanningManagerNode:
             map=voxnav.NavigationMapConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
-        self._planner, self._search_time_s = voxnav.AStarPlanner(planner.search_config()), planner.timeout_s
+        self._planner = voxnav.PathPlanner(planner.planner_config())
+        self._field = voxnav.ClearanceField(planner.field_config())  # used by the thinker alone
         self._map = voxnav.NavigationMap(limits)
         self._manager = PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
         self._lock = threading.RLock()  # protects the manager
@@ -144,9 +145,8 @@ class PlanningManagerNode:
         view, limits = self._map.view(), self._inputs.limits
         if view is None or limits is None:
             raise ValueError("no map or no constraints")
-        with self._seam.stop_after(self._search_time_s) as stop:
-            outcome = voxnav.run_plan_job(self._planner, self._manager_config, view, action.start_O, action.goal_O,
-                                          limits, stop)
+        outcome = voxnav.run_plan_job(self._planner, self._field, self._manager_config, view, action.start_O,
+                                      action.goal_O, limits)
         self._waypoints = outcome.waypoints_O
         return lambda now: self._manager.plan_done(action.job, outcome, now)
 

@@ -18,7 +18,6 @@ import time
 
 import rospy
 
-import voxnav
 from voxnav.msg import Progress
 
 # The simulation stands still this long after the stamp of a local map, which is the begin of its sweep, for the map's
@@ -108,18 +107,6 @@ class RealTime:
         """Takes an input as soon as it comes."""
         take(*arguments)
 
-    @staticmethod
-    @contextlib.contextmanager
-    def stop_after(duration_s):
-        """Returns a voxnav.StopFlag that is raised after a time, and so stops a search that takes longer."""
-        stop = voxnav.StopFlag()
-        timer = threading.Timer(duration_s, stop.raise_)
-        timer.start()
-        try:
-            yield stop
-        finally:
-            timer.cancel()
-
     def wait_for(self, is_caught_up):
         """Sets is_caught_up(now_s): whether all inputs up to a time have come. Real time does not wait for it."""
 
@@ -167,12 +154,6 @@ class WaitingSimulation:
         """Holds an input until the first map that is newer."""
         with self._lock:
             self._held.append((stamp_s, take, arguments))
-
-    @staticmethod
-    @contextlib.contextmanager
-    def stop_after(_):
-        """Returns a StopFlag that is never raised: time stands still while a search runs."""
-        yield voxnav.StopFlag()
 
     def wait_for(self, is_caught_up):
         self._is_caught_up = is_caught_up

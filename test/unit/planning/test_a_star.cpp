@@ -181,17 +181,3 @@ TEST(AStar, BadConfigurationIsRefused) {
   config.unknown_policy = static_cast<UnknownPolicy>(7);
   EXPECT_THROW(planning::AStarPlanner{config}, base::ConfigError);
 }
-
-TEST(AStar, ACancelFlagStopsTheSearchWithoutAClock) {
-  const auto grid = test::box_grid({0, 0, 0}, {60, 60, 30});
-  test::fill(grid.get(), {30, 0, 0}, {30, 60, 29}, VoxelState::kOccupied);
-  AStarConfig config = raw_config();
-  config.timeout_s = 0.001;
-  planning::StopFlag flag;
-  const planning::AStarPlanner planner(config);
-  const planning::StateGridView view(grid);
-  EXPECT_EQ(planner.plan(view, {1.5, 30.5, 1.5}, {58.5, 30.5, 1.5}, &flag).status, PlanStatus::kComplete)
-      << "the clock does not count where there is a flag";
-  flag.raise();
-  EXPECT_EQ(planner.plan(view, {1.5, 30.5, 1.5}, {58.5, 30.5, 1.5}, &flag).status, PlanStatus::kPartialTimeout);
-}

@@ -21,9 +21,16 @@ class ClearanceField::Impl {
   const ClearanceBlock* block_of(const geometry::Index3& voxel) const;
   VoxelState state(const geometry::Index3& voxel) const;
   std::uint32_t component(const geometry::Index3& voxel) const;
-  /// Calls fn(box) for each run of occupied voxels in a column that touches a box of voxels, cut to that box.
+  /// Calls fn(box) for each run of occupied, or of unknown voxels in a column that touches a box of voxels, cut to that
+  /// box.
   template <class Fn>
-  void for_each_occupied(const VoxelBox& box, Fn fn) const;
+  void for_each_occupied(const VoxelBox& box, Fn fn) const {
+    for_each_run_in(box, &ClearanceBlock::occupied, 0, fn);
+  }
+  template <class Fn>
+  void for_each_unknown(const VoxelBox& box, Fn fn) const {
+    for_each_run_in(box, &ClearanceBlock::unknown, kWholeColumn, fn);
+  }
   std::size_t memory_bytes() const;
 
   ClearanceUpdate update(const OccupancyView& view, const std::vector<geometry::Index3>& candidates);
@@ -33,6 +40,9 @@ class ClearanceField::Impl {
  private:
   friend class FieldUpdate;
 
+  /// @param absent  columns of blocks that the field does not hold
+  template <class Fn>
+  void for_each_run_in(const VoxelBox& box, BlockColumns ClearanceBlock::*kind, std::uint16_t absent, Fn fn) const;
   /// Numbers the connected parts of the whole field. O(parts and their contacts).
   void label_components();
 
@@ -46,21 +56,22 @@ class ClearanceField::Impl {
 };
 
 template <class Fn>
-void ClearanceField::Impl::for_each_occupied(const VoxelBox& box, Fn fn) const {
+void ClearanceField::Impl::for_each_run_in(const VoxelBox& box, BlockColumns ClearanceBlock::*kind,
+                                           std::uint16_t absent, Fn fn) const {
   const geometry::Index3 low = geometry::block_of(box.low), high = geometry::block_of(box.high);
   for (int bz = low.z; bz <= high.z; ++bz) {
     for (int by = low.y; by <= high.y; ++by) {
       for (int bx = low.x; bx <= high.x; ++bx) {
         const geometry::Index3 index{bx, by, bz};
         const std::int32_t slot = blocks_.find(index);
-        if (slot == ClearanceBlock::kNoSlot) continue;
-        const ClearanceBlock& block = blocks_.at(slot);
+        if (slot == ClearanceBlock::kNoSlot && absent == 0) continue;
+        const BlockColumns* columns = slot == ClearanceBlock::kNoSlot ? nullptr : &(blocks_.at(slot).*kind);
         const VoxelBox part = part_in(box, index);
         const geometry::Index3 first = geometry::voxel_at(index, 0);
         const std::uint32_t heights = ((2u << part.high.z) - 1u) & ~((1u << part.low.z) - 1u);
         for (int y = part.low.y; y <= part.high.y; ++y) {
           for (int x = part.low.x; x <= part.high.x; ++x) {
-            const std::uint32_t bits = block.occupied[column_at(x, y)] & heights;
+            const std::uint32_t bits = (columns == nullptr ? absent : (*columns)[column_at(x, y)]) & heights;
             for_each_run(bits, [&](int z0, int z1) {
               fn(VoxelBox{first + geometry::Index3{x, y, z0}, first + geometry::Index3{x, y, z1}});
             });

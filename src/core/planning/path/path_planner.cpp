@@ -28,7 +28,7 @@ class PathSearch {
         resolution_m_(field.resolution_m()),
         costs_(field, config, start),
         graph_(&costs_, static_cast<std::size_t>(config.max_memory_mib * 0.5 * 1048576.0)),
-        clearance_(field_, field_.clearance_m() / resolution_m_),
+        clearance_(field_, field_.clearance_m() / resolution_m_, known_ball(config, start, resolution_m_)),
         start_(start / resolution_m_),
         goal_(goal / resolution_m_),
         ends_(find_ends(&graph_, config, start_, goal_)) {
@@ -47,6 +47,11 @@ class PathSearch {
   }
 
  private:
+  static KnownBall known_ball(const PathPlannerConfig& config, const Vec3& start, double resolution_m) {
+    const double distance_m = config.unknown_policy == UnknownPolicy::kOptimisticFar ? config.known_distance_m : 0.0;
+    return {start / resolution_m, config.optimistic_range_m / resolution_m, distance_m / resolution_m};
+  }
+
   void search() {
     BoundSearch bounds(&graph_, ends_.goal_run);
     const BoundSearch::End end = bounds.run(ends_.start_run, &budget_);

@@ -19,6 +19,22 @@ const double kHalfDiagonal = std::sqrt(3.0) / 2.0;
 
 Vec3 excess(const Vec3& point, const geometry::Aabb& box) { return point - point.cwiseMax(box.min).cwiseMin(box.max); }
 
+geometry::Aabb box_of(const VoxelBox& run) {
+  return {Vec3(run.low.x, run.low.y, run.low.z), Vec3(run.high.x + 1, run.high.y + 1, run.high.z + 1)};
+}
+
+/// Whether all pieces of a segment are as `is_good` wants them.
+template <class Fn>
+bool all_pieces(const Vec3& from, const Vec3& to, Fn is_good) {
+  const int num_pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kPieceLength)));
+  for (int i = 0; i < num_pieces; ++i) {
+    const Vec3 a = from + (to - from) * (static_cast<double>(i) / num_pieces);
+    const Vec3 b = from + (to - from) * (static_cast<double>(i + 1) / num_pieces);
+    if (!is_good(a, b)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool is_nearer(const Vec3& from, const Vec3& to, const geometry::Aabb& box, double distance) {
@@ -44,13 +60,25 @@ bool is_nearer(const Vec3& from, const Vec3& to, const geometry::Aabb& box, doub
 bool SegmentClearance::is_clear(const Vec3& from, const Vec3& to) const {
   ++num_checks_;
   if (distance_ <= 0.0) return true;
-  const int num_pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / kPieceLength)));
-  for (int i = 0; i < num_pieces; ++i) {
-    const Vec3 a = from + (to - from) * (static_cast<double>(i) / num_pieces);
-    const Vec3 b = from + (to - from) * (static_cast<double>(i + 1) / num_pieces);
-    if (!is_piece_clear(a, b)) return false;
-  }
-  return true;
+  return all_pieces(from, to, [this](const Vec3& a, const Vec3& b) { return is_piece_clear(a, b); });
+}
+
+bool SegmentClearance::is_known(const Vec3& from, const Vec3& to) const {
+  if (known_.distance <= 0.0) return true;
+  return all_pieces(from, to, [this](const Vec3& a, const Vec3& b) { return is_piece_known(a, b); });
+}
+
+bool SegmentClearance::is_piece_known(const Vec3& from, const Vec3& to) const {
+  const geometry::Aabb ball{known_.center, known_.center};
+  if (!is_nearer(from, to, ball, known_.radius)) return true;
+  const Vec3 reach = Vec3::Constant(known_.distance);
+  const VoxelBox near{geometry::index_of(from.cwiseMin(to) - reach, 1.0),
+                      geometry::index_of(from.cwiseMax(to) + reach, 1.0)};
+  bool is_known = true;
+  field_.for_each_unknown(near, [&](const VoxelBox& run) {
+    is_known = is_known && !is_nearer(from, to, box_of(run), known_.distance - kTolerance);
+  });
+  return is_known;
 }
 
 bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
@@ -71,9 +99,7 @@ bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
                       geometry::index_of(from.cwiseMax(to) + reach, 1.0)};
   bool is_clear = true;
   field_.for_each_occupied(near, [&](const VoxelBox& run) {
-    const geometry::Aabb box{Vec3(run.low.x, run.low.y, run.low.z),
-                             Vec3(run.high.x + 1, run.high.y + 1, run.high.z + 1)};
-    is_clear = is_clear && !is_nearer(from, to, box, distance_ - kTolerance);
+    is_clear = is_clear && !is_nearer(from, to, box_of(run), distance_ - kTolerance);
   });
   return is_clear;
 }

@@ -5,20 +5,35 @@
 
 namespace voxnav::planning {
 
+/// A ball around the start in which shortcuts keep a distance from unknown voxels, because what is flown next needs
+/// known space around it. A distance of 0 asks for nothing.
+struct KnownBall {
+  geometry::Vec3 center = geometry::Vec3::Zero();
+  double radius = 0.0;
+  double distance = 0.0;
+};
+
 /// Whether segments keep a distance from all occupied voxels, exactly. Positions and distances are in voxel edges.
 class SegmentClearance {
  public:
-  SegmentClearance(const ClearanceField::Impl& field, double distance) : field_(field), distance_(distance) {}
+  SegmentClearance(const ClearanceField::Impl& field, double distance, const KnownBall& known = {})
+      : field_(field), distance_(distance), known_(known) {}
 
   /// O(length * distance^2) at worst; parts that lie far from obstacles by the field's distances cost nothing more.
   bool is_clear(const geometry::Vec3& from, const geometry::Vec3& to) const;
+  /// Whether the pieces of a segment that touch the ball keep its distance from all unknown voxels. O(length in the
+  /// ball
+  /// * distance^2).
+  bool is_known(const geometry::Vec3& from, const geometry::Vec3& to) const;
   std::uint64_t num_checks() const { return num_checks_; }
 
  private:
   bool is_piece_clear(const geometry::Vec3& from, const geometry::Vec3& to) const;
+  bool is_piece_known(const geometry::Vec3& from, const geometry::Vec3& to) const;
 
   const ClearanceField::Impl& field_;
   double distance_;
+  KnownBall known_;
   mutable std::uint64_t num_checks_ = 0;
 };
 

@@ -47,7 +47,7 @@ double PathShortening::cost_of(const std::vector<Vec3>& path) {
 }
 
 std::optional<double> PathShortening::segment_cost(const Vec3& from, const Vec3& to) {
-  if (!clearance_.is_clear(from, to)) return std::nullopt;
+  if (!clearance_.is_clear(from, to) || !clearance_.is_known(from, to)) return std::nullopt;
   return sight_cost(&graph_, from, to, SightRule::kExactlyClear);
 }
 
