@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "voxnav/base/config.hpp"
 
@@ -35,6 +37,7 @@ constexpr auto words_of(ConstraintSet) { return std::array{"slow", "medium", "fa
 /// The limits of each set. Each array holds speed, acceleration and jerk in this order.
 struct UavConstraintsConfig {
   ConstraintSet initial = ConstraintSet::kMedium;
+  double max_speed_mps = 8.0;
   std::array<double, 3> slow_horizontal{1, 1, 20};
   std::array<double, 3> slow_vertical{1, 1, 20};
   std::array<double, 3> slow_heading{0.5, 1, 10};
@@ -50,6 +53,7 @@ struct UavConstraintsConfig {
     using C = UavConstraintsConfig;
     const auto range = voxnav::base::in(0.05, 200);
     v("initial", &C::initial, voxnav::base::one_of<ConstraintSet>(), "", "set in force at the start");
+    v("max_speed_mps", &C::max_speed_mps, range, "m/s", "the horizontal speed of every set is limited to this");
     v("slow_horizontal", &C::slow_horizontal, range, "m/s, m/s^2, m/s^3", "horizontal limits of the set slow");
     v("slow_vertical", &C::slow_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set slow");
     v("slow_heading", &C::slow_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set slow");
@@ -60,8 +64,10 @@ struct UavConstraintsConfig {
     v("fast_vertical", &C::fast_vertical, range, "m/s, m/s^2, m/s^3", "vertical limits of the set fast");
     v("fast_heading", &C::fast_heading, range, "rad/s, rad/s^2, rad/s^3", "heading limits of the set fast");
   }
+  std::vector<std::string> problems() const;
 };
 
+/// Returns the limits of a set, with its horizontal speed limited to max_speed_mps.
 TrackerLimits limits_of(const UavConstraintsConfig& config, ConstraintSet set);
 
 }  // namespace voxnav_simulation

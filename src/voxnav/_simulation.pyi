@@ -252,6 +252,7 @@ class UavConfig:
 
 class UavConstraintsConfig:
     initial: str
+    max_speed_mps: float
     slow_horizontal: Sequence[float]
     slow_vertical: Sequence[float]
     slow_heading: Sequence[float]
@@ -263,8 +264,9 @@ class UavConstraintsConfig:
     fast_heading: Sequence[float]
     def __init__(
         self, *,
-        initial: str = ..., slow_horizontal: Sequence[float] = ..., slow_vertical: Sequence[float] = ...,
-        slow_heading: Sequence[float] = ..., medium_horizontal: Sequence[float] = ...,
+        initial: str = ..., max_speed_mps: float = ..., slow_horizontal: Sequence[float] = ...,
+        slow_vertical: Sequence[float] = ..., slow_heading: Sequence[float] = ...,
+        medium_horizontal: Sequence[float] = ...,
         medium_vertical: Sequence[float] = ..., medium_heading: Sequence[float] = ...,
         fast_horizontal: Sequence[float] = ..., fast_vertical: Sequence[float] = ...,
         fast_heading: Sequence[float] = ...

@@ -71,6 +71,30 @@ def test_the_simulation_waits_for_its_further_sensors():
     assert config.params["/uav1/cloud_filter_tilted/filter/ghost_intensity"].value == 20.0
 
 
+def test_faults_are_simulated_only_when_they_are_asked_for(tmp_path):
+    with open(os.path.join(ROOT, "config", "faults.yaml")) as source:
+        faults = yaml.safe_load(source)
+    expected = {"/uav1/%s/%s/%s" % (node, section, name): value for node, sections in faults.items()
+                for section, values in sections.items() for name, value in values.items()}
+    usual, hard = loaded("simulation").params, loaded("simulation", "faults:=true").params
+    assert expected and {name for name in hard if name not in usual or hard[name].value != usual[name].value} \
+        == set(expected)
+    assert {name: hard[name].value for name in expected} == expected
+    own = str(tmp_path / "own.yaml")
+    with open(own, "w") as out:
+        out.write("lidar_simulator: {lidar: {speckle_ratio: 0.5}}\n")
+    both = loaded("simulation", "faults:=true", "custom_config:=" + own).params
+    assert both["/uav1/lidar_simulator/lidar/speckle_ratio"].value == 0.5
+
+
+@pytest.mark.parametrize("asked, initial, limit", [("", "medium", 8.0), ("2", "medium", 2.0), ("4.0", "medium", 4.0),
+                                                   ("6", "fast", 6.0)])
+def test_a_speed_limit_chooses_the_constraints(asked, initial, limit):
+    params = loaded("simulation", "max_speed_mps:=" + asked).params
+    assert params["/uav1/uav_simulator/constraints/initial"].value == initial
+    assert params["/uav1/uav_simulator/constraints/max_speed_mps"].value == limit
+
+
 @pytest.mark.parametrize("run_type", [None, "", "realworld", "uav", "Simulation", "simulation"])
 def test_time_is_simulated_only_where_run_type_is_simulation(run_type, monkeypatch):
     monkeypatch.delenv("RUN_TYPE", raising=False)

@@ -10,7 +10,7 @@ from voxnav import parameters
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # These files list only the parameters that differ from the defaults.
-PARTIAL = {"map_bag", "simulation", "thesis"}
+PARTIAL = {"faults", "map_bag", "simulation", "thesis"}
 
 
 @pytest.fixture(scope="module")

@@ -43,6 +43,18 @@ TEST(Tracker, ReachesGoalsWithinLimitsAndWithoutOvershoot) {
   }
 }
 
+TEST(Tracker, LimitsTheHorizontalSpeedOfEverySet) {
+  UavConstraintsConfig config;
+  EXPECT_EQ(limits_of(config, ConstraintSet::kFast).horizontal.speed, 8.0);
+  config.max_speed_mps = 2.0;
+  EXPECT_EQ(limits_of(config, ConstraintSet::kSlow).horizontal.speed, 1.0);
+  EXPECT_EQ(limits_of(config, ConstraintSet::kMedium).horizontal.speed, 2.0);
+  EXPECT_EQ(limits_of(config, ConstraintSet::kMedium).horizontal.acceleration, 2.0);
+  EXPECT_TRUE(voxnav::base::problems_of(config).empty());
+  config.max_speed_mps = 8.5;
+  EXPECT_EQ(voxnav::base::problems_of(config).size(), 1U);
+}
+
 TEST(Tracker, KeepsLimitsUnderRandomCommands) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
