@@ -54,14 +54,13 @@ void bind_outcome(py::module_& m) {
       .def_readonly("is_to_goal", &PlanOutcome::is_to_goal)
       .def_readonly("corridor_radius_m", &PlanOutcome::corridor_radius_m)
       .def_readonly("left_m", &PlanOutcome::left_m)
-      .def_readonly("field_s", &PlanOutcome::field_s, "Time that bringing the field up to date took [s].")
       .def_readonly("problem", &PlanOutcome::problem);
 }
 
-PlanOutcome plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+PlanOutcome plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
                      const PlanningManagerConfig& config, const py::object& map, const py::object& start_O,
                      const py::object& goal_O, const LimitValues& limits) {
-  const auto view = view_of(map, field->config().safety_distance_m);
+  const auto view = view_of(map, field.config().safety_distance_m);
   const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits)};
   py::gil_scoped_release release;
   return run_plan_job(planner, field, config, *view, task);

@@ -266,10 +266,9 @@ class UavConstraintsConfig:
         self, *,
         initial: str = ..., max_speed_mps: float = ..., slow_horizontal: Sequence[float] = ...,
         slow_vertical: Sequence[float] = ..., slow_heading: Sequence[float] = ...,
-        medium_horizontal: Sequence[float] = ...,
-        medium_vertical: Sequence[float] = ..., medium_heading: Sequence[float] = ...,
-        fast_horizontal: Sequence[float] = ..., fast_vertical: Sequence[float] = ...,
-        fast_heading: Sequence[float] = ...
+        medium_horizontal: Sequence[float] = ..., medium_vertical: Sequence[float] = ...,
+        medium_heading: Sequence[float] = ..., fast_horizontal: Sequence[float] = ...,
+        fast_vertical: Sequence[float] = ..., fast_heading: Sequence[float] = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> UavConstraintsConfig: ...

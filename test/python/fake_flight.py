@@ -112,8 +112,10 @@ class FakeFlight:
     def answer(self, action):
         problem = "refused for the test" if action.name in self.fails else ""
         if isinstance(action, Plan):
-            outcome = voxnav.run_plan_job(self.planner, self.field, self.config, self.map.view(),
-                                          action.start_O, action.goal_O, LIMITS)
+            view = self.map.view()
+            self.field.update(view)
+            outcome = voxnav.run_plan_job(self.planner, self.field, self.config, view, action.start_O, action.goal_O,
+                                          LIMITS)
             return self.manager.plan_done(action.job, outcome, self.now)
         if isinstance(action, Generate):
             trajectory = None if problem else self.generate(action)

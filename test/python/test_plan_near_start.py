@@ -34,6 +34,7 @@ def plan(vehicle, goal, **search):
     view = nav.view()
     config = voxnav.FlightSearchConfig(**search)
     planner, field = voxnav.PathPlanner(config.planner_config()), voxnav.ClearanceField(config.field_config())
+    field.update(view)
     return view, voxnav.run_plan_job(planner, field, voxnav.PlanningManagerConfig(), view, vehicle, goal, LIMITS)
 
 

@@ -70,6 +70,7 @@ def view(occupied=None):
 def outcome(goal=(12.0, 0.0, 2.0), occupied=None):
     planner = voxnav.PathPlanner(voxnav.PathPlannerConfig())
     field = voxnav.ClearanceField(voxnav.ClearanceFieldConfig(safety_distance_m=0.9))
+    field.update(view(occupied))
     return voxnav.run_plan_job(planner, field, CONFIG, view(occupied), (0.0, 0.0, 2.0), goal, LIMITS)
 
 

@@ -83,7 +83,6 @@ struct PlanOutcome {
   bool is_to_goal = false;  ///< the last waypoint is the goal, or so near to a blocked one that it counts as reached
   double corridor_radius_m = 0.0;  ///< known free around the waypoints
   double left_m = 0.0;             ///< way from the last waypoint to the goal, as planned
-  double field_s = 0.0;            ///< time that bringing the clearance field up to date took
   std::string problem;             ///< why there are no waypoints, for a person
 };
 
@@ -94,11 +93,10 @@ struct PlanTask {
   planning::DynamicsLimits limits;  ///< must be valid
 };
 
-/// Brings the clearance field up to date with a view, searches a way on it, then cuts it: to known free space with room
-/// to stop, and to the longest flight time. Where the vehicle is nearer to something than its own radius, the way leads
-/// out of there first, never nearer than at the start. Takes as long as the search; a field serves one thread at a
-/// time.
-PlanOutcome run_plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+/// Searches a way on a clearance field that is up to date with the view, then cuts it: to known free space with room to
+/// stop, and to the longest flight time. Where the vehicle is nearer to something than its own radius, the way leads
+/// out of there first, never nearer than at the start. Takes as long as the search.
+PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
                          const PlanningManagerConfig& config, const planning::OccupancyView& view,
                          const PlanTask& task);
 

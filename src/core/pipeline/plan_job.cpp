@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 #include "planning/flight_time.hpp"
@@ -96,14 +95,11 @@ std::string too_short(const SafeLength& safe) {
 
 }  // namespace
 
-PlanOutcome run_plan_job(const planning::PathPlanner& planner, planning::ClearanceField* field,
+PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
                          const PlanningManagerConfig& config, const planning::OccupancyView& view,
                          const PlanTask& task) {
   PlanOutcome out;
-  const auto begin = std::chrono::steady_clock::now();
-  field->update(view);
-  out.field_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  out.plan = planner.plan(*field, task.start_O, task.goal_O);
+  out.plan = planner.plan(field, task.start_O, task.goal_O);
   if (out.plan.path.empty()) {
     out.problem = explain(out.plan.status);
     return out;

@@ -145,6 +145,8 @@ class PlanningManagerNode:
         view, limits = self._map.view(), self._inputs.limits
         if view is None or limits is None:
             raise ValueError("no map or no constraints")
+        with self._diagnostics.time("field"):
+            self._field.update(view)
         outcome = voxnav.run_plan_job(self._planner, self._field, self._manager_config, view, action.start_O,
                                       action.goal_O, limits)
         self._waypoints = outcome.waypoints_O
