@@ -64,8 +64,11 @@ class BruteForce {
   }
 
   int squared_to(const Index3& voxel, VoxelState state) const {
-    const double limit = 4.0 * std::pow(config_.radius_m / kResolution, 2) + 1e-6;
-    const int reach = static_cast<int>(config_.radius_m / kResolution) + 1;
+    const double radius = state == VoxelState::kOccupied
+                              ? config_.radius_m
+                              : std::max(config_.unknown_radius_m, config_.safety_distance_m);
+    const double limit = 4.0 * std::pow(radius / kResolution, 2) + 1e-6;
+    const int reach = static_cast<int>(radius / kResolution) + 1;
     int best = ClearanceField::kFar;
     for (int z = -reach; z <= reach; ++z) {
       for (int y = -reach; y <= reach; ++y) {
@@ -236,6 +239,7 @@ TEST(ClearanceFieldProperty, EqualsBruteForceAfterAnySequenceOfUpdates) {
     ClearanceFieldConfig config;
     config.safety_distance_m = seed == 4 ? 0.0 : 0.5 + 0.25 * (seed % 3);
     config.radius_m = config.safety_distance_m + 0.3 * seed;
+    config.unknown_radius_m = 0.4 * (5 - seed);
     config.unknown_is_flyable = seed % 2 == 1;
     Scene scene(seed);
     ClearanceField field(config);

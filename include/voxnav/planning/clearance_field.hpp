@@ -14,6 +14,7 @@ namespace voxnav::planning {
 struct ClearanceFieldConfig {
   double safety_distance_m = 1.0;
   double radius_m = 2.0;
+  double unknown_radius_m = 2.0;
   bool unknown_is_flyable = false;
   double max_memory_mib = 1024.0;
 
@@ -22,7 +23,10 @@ struct ClearanceFieldConfig {
     v("safety_distance_m", &ClearanceFieldConfig::safety_distance_m, base::in(0.0, 10.0), "m",
       "voxels nearer than this to occupied ones are not flyable");
     v("radius_m", &ClearanceFieldConfig::radius_m, base::in(0.0, 20.0), "m",
-      "distances are kept up to this one; 16 voxels at most");
+      "distances to occupied voxels are kept up to this one; 16 voxels at most");
+    v("unknown_radius_m", &ClearanceFieldConfig::unknown_radius_m, base::in(0.0, 20.0), "m",
+      "distances to unknown voxels are kept up to this one, or to safety_distance_m if that is more; 16 voxels at "
+      "most");
     v("unknown_is_flyable", &ClearanceFieldConfig::unknown_is_flyable, base::any(), "",
       "parts of flyable space are connected through unknown voxels as well");
     v("max_memory_mib", &ClearanceFieldConfig::max_memory_mib, base::in(1.0, 65536.0), "MiB",
@@ -56,7 +60,7 @@ class ClearanceField {
   /// Takes over a map: all its blocks are compared with those of the last update. A view with other voxels than the
   /// last one starts the field anew. O(blocks) comparisons, then O(radius) operations for each voxel within reach of a
   /// change.
-  /// @throws std::invalid_argument  if radius_m is more than 16 voxels of the view
+  /// @throws std::invalid_argument  if radius_m or unknown_radius_m is more than 16 voxels of the view
   /// @throws std::length_error      if the map needs more than max_memory_mib; the field is empty then
   ClearanceUpdate update(const OccupancyView& view);
   /// As update(), for a view that differs from the last one in the listed blocks and in its bounds at most.
@@ -69,7 +73,7 @@ class ClearanceField {
   /// at 1 and hold until the next update.
   std::uint32_t component(const geometry::Vec3& point) const;
   /// Squared distances from a voxel's centre to the nearest face of an occupied or an unknown voxel, in units of a
-  /// quarter of a squared voxel edge, hence integers; kFar beyond radius_m.
+  /// quarter of a squared voxel edge, hence integers; kFar beyond the radius that is kept.
   int squared_to_occupied(const geometry::Index3& voxel) const;
   int squared_to_unknown(const geometry::Index3& voxel) const;
   static constexpr int kFar = 16000;

@@ -18,6 +18,7 @@ struct PathPlannerConfig {
   double known_distance_m = 0.0;
   double near_unknown_weight = 10.0;
   double suboptimality_bound = 1.05;
+  bool quick = false;
   double goal_search_radius_m = 4.0;
   double escape_distance_m = 3.0;
   int max_shortening_checks = 4000;
@@ -44,6 +45,10 @@ struct PathPlannerConfig {
       "the path costs at most this factor more than the cheapest one over the lattice of cells, unless a limit ends "
       "the "
       "search");
+    v("quick", &PathPlannerConfig::quick, base::any(), "",
+      "take the first path that keeps suboptimality_bound, which is found several times faster, instead of searching "
+      "on "
+      "in all directions for a shorter one");
     v("goal_search_radius_m", &PathPlannerConfig::goal_search_radius_m, base::in(0.0, 20.0), "m",
       "a goal that cannot be entered is replaced by the nearest cell within this radius that can be reached; the "
       "radius "
@@ -70,9 +75,11 @@ struct AnyAnglePlan : PlanResult {
 /// 3. Shortening in continuous space. Each segment keeps the safety distance exactly to the boxes of occupied voxels.
 /// 4. If the path costs more than suboptimality_bound times the lower bound: weighted A* over single cells, led by the
 ///    costs of step 1, whose path keeps that bound and is shortened as well. The cheaper path is taken.
-/// Each run is expanded at most once in each of the two searches. Deterministic; all limits are numbers of operations.
-/// A planner may be used from several threads. Source: Nash, Koenig & Tovey, Lazy Theta*, AAAI 2010; Reijgwart et al.,
-/// RSS 2025 (arXiv 2602.21174): cells of many sizes, here of many heights. docs/maths/planning.md has the formulas.
+/// With `quick`, step 1 is weighted by suboptimality_bound first, and its own path is shortened; only if that misses
+/// the bound, the four steps follow. Each run is expanded at most once in each of the two searches. Deterministic; all
+/// limits are numbers of operations. A planner may be used from several threads. Source: Nash, Koenig & Tovey, Lazy
+/// Theta*, AAAI 2010; Reijgwart et al., RSS 2025 (arXiv 2602.21174): cells of many sizes, here of many heights.
+/// docs/maths/planning.md has the formulas.
 class PathPlanner {
  public:
   /// @throws base::ConfigError

@@ -25,6 +25,9 @@ struct FlightSearchConfig : planning::PathPlannerConfig {
     optimistic_range_m = 4.0;
     // Corridor radius plus deviation of the trajectory: a plan with less known space around it is not flown.
     known_distance_m = 0.9;
+    // In flight a way that is found at once is worth more than one that is a little shorter.
+    quick = true;
+    suboptimality_bound = 1.2;
   }
 
   template <class V>
@@ -39,7 +42,8 @@ struct FlightSearchConfig : planning::PathPlannerConfig {
   planning::ClearanceFieldConfig field_config() const {
     planning::ClearanceFieldConfig out;
     out.safety_distance_m = safety_distance_m;
-    out.radius_m = std::max({safety_distance_m, clearance_distance_m, known_distance_m});
+    out.radius_m = std::max(safety_distance_m, clearance_distance_m);
+    out.unknown_radius_m = known_distance_m;
     out.unknown_is_flyable = unknown_policy != planning::UnknownPolicy::kForbid;
     out.max_memory_mib = max_field_memory_mib;
     return out;

@@ -23,6 +23,17 @@ constexpr double kMaxVoxels = 1e9;
 
 }  // namespace
 
+namespace {
+
+/// How many voxels away the face of a voxel can be that lies within a radius.
+int reach_of(double voxels) { return static_cast<int>(std::floor(std::min(voxels, 1e6) + 0.5 + 1e-9)); }
+
+SquaredDistanceTransform transform_up_to(double voxels) {
+  return SquaredDistanceTransform(reach_of(voxels), static_cast<int>(std::floor(4.0 * voxels * voxels + 1e-6)));
+}
+
+}  // namespace
+
 std::vector<std::string> ClearanceFieldConfig::problems() const {
   std::vector<std::string> out;
   if (radius_m < safety_distance_m) out.emplace_back("radius_m must be at least safety_distance_m");
@@ -37,11 +48,10 @@ std::vector<Index3> ClearanceField::Impl::candidates(const OccupancyView& view) 
 
 ClearanceUpdate ClearanceField::Impl::update(const OccupancyView& view, const std::vector<Index3>& candidates) {
   const double resolution = view.resolution_m();
-  const double voxels = config_.radius_m / resolution;
-  const int reach = static_cast<int>(std::floor(std::min(voxels, 1e6) + 0.5 + 1e-9));
-  if (!(resolution > 0.0) || reach > kMaxReach) {
+  const double farthest_m = std::max(config_.radius_m, unknown_radius_m());
+  if (!(resolution > 0.0) || reach_of(farthest_m / resolution) > kMaxReach) {
     char text[160];
-    std::snprintf(text, sizeof text, "radius_m %.2f is more than %d voxels of %.3f m", config_.radius_m, kMaxReach,
+    std::snprintf(text, sizeof text, "a radius of %.2f m is more than %d voxels of %.3f m", farthest_m, kMaxReach,
                   resolution);
     throw std::invalid_argument(text);
   }
@@ -49,7 +59,8 @@ ClearanceUpdate ClearanceField::Impl::update(const OccupancyView& view, const st
     *this = Impl(config_);
     resolution_m_ = resolution;
     grown_by_m_ = view.grown_by_m();
-    transform_.emplace(reach, static_cast<int>(std::floor(4.0 * voxels * voxels + 1e-6)));
+    occupied_transform_ = transform_up_to(config_.radius_m / resolution);
+    unknown_transform_ = transform_up_to(unknown_radius_m() / resolution);
   }
   std::vector<Index3> sorted = candidates;
   std::sort(sorted.begin(), sorted.end());

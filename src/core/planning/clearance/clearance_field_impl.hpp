@@ -15,6 +15,8 @@ class ClearanceField::Impl {
   double resolution_m() const { return resolution_m_; }
   const ClearanceBlocks& blocks() const { return blocks_; }
   const VoxelBox& bounds() const { return bounds_; }
+  /// The radius up to which distances to unknown voxels are kept.
+  double unknown_radius_m() const { return std::max(config_.unknown_radius_m, config_.safety_distance_m); }
   /// The distance to be kept from the view's occupied voxels, which the view may have grown already.
   double clearance_m() const { return std::max(0.0, config_.safety_distance_m - grown_by_m_); }
   /// The block that holds a voxel; null if the field has none, and all of it is unknown, far from obstacles.
@@ -51,7 +53,8 @@ class ClearanceField::Impl {
   double grown_by_m_ = 0.0;
   VoxelBox bounds_;
   ClearanceBlocks blocks_;
-  std::optional<SquaredDistanceTransform> transform_;
+  std::optional<SquaredDistanceTransform> occupied_transform_;
+  std::optional<SquaredDistanceTransform> unknown_transform_;
   std::vector<std::uint32_t> labels_;  ///< of each part; the first one is what lies outside all blocks
 };
 

@@ -179,7 +179,7 @@ FieldUpdate::Change FieldUpdate::change_of(const BlockColumns& before, const Blo
 
 void FieldUpdate::spread(const Index3& index, const Change& change, ColumnRange Work::*kind) {
   if (change.columns.empty()) return;
-  const int reach = field_.transform_->reach();
+  const int reach = (kind == &Work::to_unknown ? field_.unknown_transform_ : field_.occupied_transform_)->reach();
   for (int dz = -1; dz <= 1; ++dz) {
     if ((dz < 0 && change.low >= reach) || (dz > 0 && change.high < kSide - reach)) continue;
     for (int dy = -1; dy <= 1; ++dy) {
@@ -234,7 +234,8 @@ void FieldUpdate::recompute_distances(ClearanceBlock* block, const Work& work) {
       *out = std::make_unique<ClearanceDistances>();
       (*out)->fill(ClearanceField::kFar);
     }
-    const bool is_any_near = field_.transform_->compute(set, range, out->get());
+    SquaredDistanceTransform& transform = is_unknown ? *field_.unknown_transform_ : *field_.occupied_transform_;
+    const bool is_any_near = transform.compute(set, range, out->get());
     if (!is_any_near && is_all_far(**out)) out->reset();
   };
   recompute_kind(work.to_occupied, false, &block->to_occupied);

@@ -57,9 +57,15 @@ void BoundSearch::relax(Number to, std::uint64_t cost) {
   Reached& there = reached(to);
   if (cost >= there.cost || there.is_closed) return;
   there.cost = cost;
-  open_.push_back({cost + heuristic(to), cost, to});
+  const std::uint64_t rest = heuristic(to);
+  // With a weight of 1 the sum stays exact: a double could not hold the costs of the longest paths.
+  const std::uint64_t weighted =
+      weight_ == 1.0 ? rest : static_cast<std::uint64_t>(weight_ * static_cast<double>(rest));
+  open_.push_back({cost + weighted, cost, to});
   std::push_heap(open_.begin(), open_.end(), ComesLater());
 }
+
+double BoundSearch::goal_cost() const { return static_cast<double>(reached_[goal_].cost) / static_cast<double>(kUnit); }
 
 double BoundSearch::bound(Number number) const {
   if (number < reached_.size() && reached_[number].is_closed) {

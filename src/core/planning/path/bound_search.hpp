@@ -12,7 +12,9 @@ struct WorkBudget {
 };
 
 /// A* from the start over runs of cells as if each were one place: moving up and down in a run costs nothing. So no
-/// path over the lattice of cells costs less than what this search finds, and a second search knows where to look.
+/// path over the lattice of cells costs less than what this search finds, and a second search knows where to look. With
+/// a weight it expands less, and what it finds costs at most that factor more than the bound, since its heuristic is
+/// consistent. Source: Likhachev, Gordon & Thrun, ARA*, NIPS 2003, section 2 (no run is expanded twice).
 class BoundSearch {
  public:
   enum class End { kGoal, kExhausted, kLimit };
@@ -24,11 +26,16 @@ class BoundSearch {
   static constexpr std::uint64_t kDiagonal = 41;
   static constexpr std::uint64_t kVertical = 9;
 
-  BoundSearch(RunGraph* graph, RunGraph::Number goal) : graph_(*graph), goal_(goal) {}
+  BoundSearch(RunGraph* graph, RunGraph::Number goal, double weight = 1.0)
+      : graph_(*graph), goal_(goal), weight_(weight) {}
 
   End run(RunGraph::Number start, WorkBudget* budget);
 
+  /// The cost of the goal as it was found [voxel edges at unit cost], at most the weight times its lower bound.
+  /// Precondition: run() reached it.
+  double goal_cost() const;
   /// Lower bound of the cost from the start to a run [voxel edges at unit cost], exact for runs that run() expanded.
+  /// Precondition: the weight is 1.
   double bound(RunGraph::Number number) const;
   /// Among the expanded runs, the one nearest to a point.
   RunGraph::Number nearest_to(const geometry::Vec3& point) const;
@@ -62,6 +69,7 @@ class BoundSearch {
 
   RunGraph& graph_;
   RunGraph::Number goal_;
+  double weight_;
   std::vector<Reached> reached_;
   std::vector<Entry> open_;
   std::uint64_t expansions_ = 0;

@@ -8,6 +8,7 @@
 #include "planning/path/any_angle_search.hpp"
 #include "planning/path/lattice_search.hpp"
 #include "planning/path/path_ends.hpp"
+#include "planning/path/run_search.hpp"
 #include "planning/path/shorten.hpp"
 
 namespace voxnav::planning {
@@ -18,6 +19,9 @@ using Number = RunGraph::Number;
 
 /// Start and goal must lie within this many cells of the origin: farther ones exceed the range of a cell's index.
 constexpr double kMaxCells = 1e9;
+
+/// The share of what the bound allows that a quick search over runs may spend; the rest is for making a path of the runs.
+constexpr double kQuickShare = 0.6;
 
 /// One call of plan(), in voxel edges.
 class PathSearch {
@@ -53,11 +57,12 @@ class PathSearch {
   }
 
   void search() {
+    if (config_.quick && ends_.status == PlanStatus::kComplete && search_quickly()) return finish();
     BoundSearch bounds(&graph_, ends_.goal_run);
     const BoundSearch::End end = bounds.run(ends_.start_run, &budget_);
-    result_.expansions = bounds.expansions();
+    result_.expansions += bounds.expansions();
     if (end == BoundSearch::End::kGoal) {
-      if (result_.status == PlanStatus::kComplete) result_.lower_bound_m = lower_bound(bounds) * resolution_m_;
+      if (result_.status == PlanStatus::kComplete) set_lower_bound(bounds.goal_cost());
       find_path(bounds);
       return;
     }
@@ -69,8 +74,25 @@ class PathSearch {
     lead_near(bounds);
   }
 
-  double lower_bound(const BoundSearch& bounds) const {
-    return std::max(bounds.bound(ends_.goal_run), (center(ends_.way_out.back()) - center(ends_.goal_cell)).norm());
+  /// Takes the first path that a weighted search finds; returns false if it misses the bound.
+  bool search_quickly() {
+    const double weight = 1.0 + kQuickShare * (config_.suboptimality_bound - 1.0);
+    BoundSearch bounds(&graph_, ends_.goal_run, weight);
+    const BoundSearch::End end = bounds.run(ends_.start_run, &budget_);
+    result_.expansions += bounds.expansions();
+    if (end != BoundSearch::End::kGoal) return false;
+    set_lower_bound(bounds.goal_cost() / weight);
+    RunSearch search(&graph_, config_.suboptimality_bound);
+    consider(search.run({ends_.start_run, first_point()}, {ends_.goal_run, last_point()}, &budget_));
+    result_.expansions += search.expansions();
+    result_.memory_bytes = graph_.memory_bytes() + bounds.memory_bytes() + search.memory_bytes();
+    return !path_.empty() && cost_ * resolution_m_ <= config_.suboptimality_bound * result_.lower_bound_m;
+  }
+
+  /// @param over_runs  no path over runs costs less
+  void set_lower_bound(double over_runs) {
+    const double straight = (center(ends_.way_out.back()) - center(ends_.goal_cell)).norm();
+    result_.lower_bound_m = std::max(over_runs, straight) * resolution_m_;
   }
 
   /// Plans to the expanded run that is nearest to a goal which was not reached.
@@ -90,21 +112,20 @@ class PathSearch {
     find_path(searched);
   }
 
+  Vec3 first_point() const { return ends_.way_out.size() > 1 ? center(ends_.way_out.back()) : end_point(start_); }
+  Vec3 last_point() const { return ends_.is_substitute ? center(ends_.goal_cell) : end_point(goal_); }
+
   void find_path(const BoundSearch& bounds) {
-    const Vec3 first = ends_.way_out.size() > 1 ? center(ends_.way_out.back()) : end_point(start_);
-    const Vec3 last = ends_.is_substitute ? center(ends_.goal_cell) : end_point(goal_);
-    const double bound = lower_bound(bounds) * config_.suboptimality_bound;
+    const Vec3 first = first_point(), last = last_point();
+    const double bound = bounds.bound(ends_.goal_run) * config_.suboptimality_bound;
     consider(any_angle(bounds, first, last));
     if (path_.empty() || cost_ > bound) consider(over_lattice(bounds, first, last));
     result_.memory_bytes += graph_.memory_bytes() + bounds.memory_bytes();
-    if (path_.empty()) {
-      const bool is_limit = budget_.expansions_left == 0 || result_.memory_bytes > budget_.max_bytes;
-      if (result_.status == PlanStatus::kComplete) {
-        result_.status = is_limit ? PlanStatus::kPartialLimit : PlanStatus::kNoPath;
-      }
-      return;
+    if (!path_.empty()) return finish();
+    const bool is_limit = budget_.expansions_left == 0 || result_.memory_bytes > budget_.max_bytes;
+    if (result_.status == PlanStatus::kComplete) {
+      result_.status = is_limit ? PlanStatus::kPartialLimit : PlanStatus::kNoPath;
     }
-    finish();
   }
 
   std::vector<Vec3> any_angle(const BoundSearch& bounds, const Vec3& first, const Vec3& last) {

@@ -20,8 +20,11 @@ RunCosts::RunCosts(const ClearanceField& field, const PathPlannerConfig& config,
   const double safety = field_.clearance_m() / resolution;
   const double clearance = std::max(safety, config.clearance_distance_m / resolution);
   const bool has_extra = clearance > safety && config.clearance_weight > 0.0;
-  if ((has_extra && config.clearance_distance_m > field.config().radius_m) || known > field.config().radius_m) {
-    throw std::invalid_argument("radius_m of the clearance field is less than the distances that have costs");
+  if (has_extra && config.clearance_distance_m > field.config().radius_m) {
+    throw std::invalid_argument("radius_m of the clearance field is less than clearance_distance_m");
+  }
+  if (known > field_.unknown_radius_m()) {
+    throw std::invalid_argument("unknown_radius_m of the clearance field is less than known_distance_m");
   }
   known_squared_ = 4.0 * std::pow(known / resolution, 2);
   unknown_cost_ = static_cast<CellCost>(std::lround(config.unknown_cost * kUnitCost));
