@@ -75,12 +75,13 @@ class ClearanceField:
 class ClearanceFieldConfig:
     safety_distance_m: float
     radius_m: float
+    unknown_radius_m: float
     unknown_is_flyable: bool
     max_memory_mib: float
     def __init__(
         self, *,
-        safety_distance_m: float = ..., radius_m: float = ..., unknown_is_flyable: bool = ...,
-        max_memory_mib: float = ...
+        safety_distance_m: float = ..., radius_m: float = ..., unknown_radius_m: float = ...,
+        unknown_is_flyable: bool = ..., max_memory_mib: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> ClearanceFieldConfig: ...
@@ -252,6 +253,7 @@ class FlightSearchConfig:
     known_distance_m: float
     near_unknown_weight: float
     suboptimality_bound: float
+    quick: bool
     goal_search_radius_m: float
     escape_distance_m: float
     max_shortening_checks: int
@@ -261,7 +263,8 @@ class FlightSearchConfig:
         max_memory_mib: float = ..., clearance_distance_m: float = ..., clearance_weight: float = ...,
         unknown_policy: str = ..., unknown_cost: float = ..., optimistic_range_m: float = ...,
         known_distance_m: float = ..., near_unknown_weight: float = ..., suboptimality_bound: float = ...,
-        goal_search_radius_m: float = ..., escape_distance_m: float = ..., max_shortening_checks: int = ...
+        quick: bool = ..., goal_search_radius_m: float = ..., escape_distance_m: float = ...,
+        max_shortening_checks: int = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> FlightSearchConfig: ...
@@ -782,6 +785,7 @@ class PathPlannerConfig:
     known_distance_m: float
     near_unknown_weight: float
     suboptimality_bound: float
+    quick: bool
     goal_search_radius_m: float
     escape_distance_m: float
     max_shortening_checks: int
@@ -790,8 +794,8 @@ class PathPlannerConfig:
         max_expansions: int = ..., max_memory_mib: float = ..., clearance_distance_m: float = ...,
         clearance_weight: float = ..., unknown_policy: str = ..., unknown_cost: float = ...,
         optimistic_range_m: float = ..., known_distance_m: float = ..., near_unknown_weight: float = ...,
-        suboptimality_bound: float = ..., goal_search_radius_m: float = ..., escape_distance_m: float = ...,
-        max_shortening_checks: int = ...
+        suboptimality_bound: float = ..., quick: bool = ..., goal_search_radius_m: float = ...,
+        escape_distance_m: float = ..., max_shortening_checks: int = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> PathPlannerConfig: ...

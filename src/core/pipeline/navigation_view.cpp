@@ -25,8 +25,9 @@ NavigationView::NavigationView(const NavigationMapConfig& config, Content conten
   bounds_.min = Vec3(p.x() - config.range_m, p.y() - config.range_m, config.min_altitude_m - shift);
   bounds_.max = Vec3(p.x() + config.range_m, p.y() + config.range_m, config.max_altitude_m - shift);
   // A vehicle below or above the limits must be able to come back.
-  bounds_.min.z() = std::min(bounds_.min.z(), footprint_.min.z());
-  bounds_.max.z() = std::max(bounds_.max.z(), footprint_.max.z());
+  const double edge = content_.local->resolution_m();
+  bounds_.min.z() = std::min(bounds_.min.z(), p.z() - edge);
+  bounds_.max.z() = std::max(bounds_.max.z(), p.z() + edge);
 }
 
 bool NavigationView::is_in_footprint(const Index3& voxel) const {
@@ -73,7 +74,7 @@ void NavigationView::add_blocks(const geometry::Aabb& box, std::vector<Index3>* 
 std::vector<Index3> NavigationView::known_blocks() const {
   std::vector<Index3> out = content_.local->sorted_block_indices();
   add_blocks(footprint_, &out);
-  // The footprint may have widened the bounds beyond the altitudes, so that blocks without content hold forbidden
+  // The vehicle may have widened the bounds beyond the altitudes, so that blocks without content hold forbidden
   // voxels.
   const double shift = content_.T_W_O.translation().z();
   const Vec3 low(bounds_.min.x(), bounds_.min.y(), config_.min_altitude_m - shift);
@@ -88,11 +89,12 @@ std::vector<Index3> NavigationView::known_blocks() const {
 bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) const {
   bool is_any = false;
   const double shift = content_.T_W_O.translation().z();
+  const bool has_footprint = box_of(block).intersects(footprint_);
   for (int z = 0; z < kSide; ++z) {
     const double altitude = (block.z * kSide + z + 0.5) * resolution_m() + shift;
     if (altitude >= config_.min_altitude_m && altitude <= config_.max_altitude_m) continue;
     for (int offset = z * kSide * kSide; offset < (z + 1) * kSide * kSide; ++offset) {
-      if (is_in_footprint(geometry::voxel_at(block, offset))) continue;
+      if (has_footprint && is_in_footprint(geometry::voxel_at(block, offset))) continue;
       hard->set(offset);
       is_any = true;
     }

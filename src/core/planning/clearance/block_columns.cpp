@@ -6,25 +6,45 @@
 namespace voxnav::planning {
 namespace {
 constexpr int kSide = geometry::kBlockSide;
+
+/// Gathers the lower bits of the 32 pairs of a word.
+std::uint32_t low_bits(std::uint64_t word) {
+  word &= 0x5555555555555555u;
+  word = (word | (word >> 1)) & 0x3333333333333333u;
+  word = (word | (word >> 2)) & 0x0F0F0F0F0F0F0F0Fu;
+  word = (word | (word >> 4)) & 0x00FF00FF00FF00FFu;
+  word = (word | (word >> 8)) & 0x0000FFFF0000FFFFu;
+  return static_cast<std::uint32_t>(word | (word >> 16));
 }
 
+/// Sets the bit of a height in all columns whose bits are set in a layer's 32 columns.
+void set_height(std::uint32_t columns, int first, int z, BlockColumns* out) {
+  for (std::uint32_t bits = columns; bits != 0; bits &= bits - 1) {
+    std::uint16_t& column = (*out)[static_cast<std::size_t>(first + __builtin_ctz(bits))];
+    column = static_cast<std::uint16_t>(column | 1u << z);
+  }
+}
+
+}  // namespace
+
 void columns_of(const StateBlock& states, BlockColumns* occupied, BlockColumns* unknown) {
+  // Free is 1, occupied 2, unknown 0.
   occupied->fill(0);
-  unknown->fill(0);
+  BlockColumns known{};
   for (int z = 0; z < kSide; ++z) {
     for (int column = 0; column < kColumns; column += 32) {
-      std::uint64_t word = states.words[(z * kColumns + column) / 32];
-      for (int i = column; i < column + 32; ++i, word >>= 2) {
-        // Free is 1, occupied 2, unknown 0.
-        (*occupied)[i] = static_cast<std::uint16_t>((*occupied)[i] | ((word >> 1) & 1u) << z);
-        (*unknown)[i] = static_cast<std::uint16_t>((*unknown)[i] | (~(word | (word >> 1)) & 1u) << z);
-      }
+      const std::uint64_t word = states.words[(z * kColumns + column) / 32];
+      if (word == 0) continue;
+      set_height(low_bits(word >> 1), column, z, occupied);
+      set_height(low_bits(word) | low_bits(word >> 1), column, z, &known);
     }
   }
+  for (int i = 0; i < kColumns; ++i) (*unknown)[i] = static_cast<std::uint16_t>(~known[i]);
 }
 
 BlockColumns columns_of(const BlockMask& mask) {
   BlockColumns out{};
+  if (mask.none()) return out;
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     if (mask[offset])
       out[offset % kColumns] = static_cast<std::uint16_t>(out[offset % kColumns] | 1u << (offset / kColumns));

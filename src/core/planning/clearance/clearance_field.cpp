@@ -51,8 +51,8 @@ ClearanceUpdate ClearanceField::Impl::update(const OccupancyView& view, const st
   const double farthest_m = std::max(config_.radius_m, unknown_radius_m());
   if (!(resolution > 0.0) || reach_of(farthest_m / resolution) > kMaxReach) {
     char text[160];
-    std::snprintf(text, sizeof text, "a radius of %.2f m is more than %d voxels of %.3f m", farthest_m, kMaxReach,
-                  resolution);
+    std::snprintf(text, sizeof text, "radius_m or unknown_radius_m, %.2f m, is more than %d voxels of %.3f m",
+                  farthest_m, kMaxReach, resolution);
     throw std::invalid_argument(text);
   }
   if (resolution != resolution_m_ || view.grown_by_m() != grown_by_m_) {
