@@ -20,7 +20,8 @@ using Number = RunGraph::Number;
 /// Start and goal must lie within this many cells of the origin: farther ones exceed the range of a cell's index.
 constexpr double kMaxCells = 1e9;
 
-/// The share of what the bound allows that a quick search over runs may spend; the rest is for making a path of the runs.
+/// The share of what the bound allows that a quick search over runs may spend; the rest is for making a path of the
+/// runs.
 constexpr double kQuickShare = 0.6;
 
 /// One call of plan(), in voxel edges.

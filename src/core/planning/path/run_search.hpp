@@ -9,7 +9,8 @@ namespace voxnav::planning {
 
 /// Weighted A* over runs of cells that passes each run at one height: that at which it came in, or the one nearest to
 /// it where the run reaches, so that changes of height cost something, other than in a BoundSearch. It finds a way at
-/// once where the best way hardly matters; how good its path is must be judged by a bound. Positions are in voxel edges.
+/// once where the best way hardly matters; how good its path is must be judged by a bound. Positions are in voxel
+/// edges.
 class RunSearch {
  public:
   RunSearch(RunGraph* graph, double weight) : graph_(*graph), weight_(weight) {}
