@@ -3,26 +3,13 @@
 
 from __future__ import annotations
 
-import base64
-import html
-import io
-from typing import Any, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from voxnav.array_types import Array
+from voxnav.html_report import bullets, head, image, paragraph, preformatted, section, table
 from voxnav.plotting import pyplot
-
-_STYLE = """body{font-family:sans-serif;max-width:1100px;margin:2em auto;color:#222}
-table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;border-bottom:1px solid #ddd}
-pre{white-space:pre-wrap}td:first-child,th:first-child{text-align:left}img{max-width:100%}"""
-
-
-def _image(figure: Any) -> str:
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=100, bbox_inches="tight")
-    pyplot().close(figure)
-    return '<img src="data:image/png;base64,%s">' % base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
 def map_figure(occupied: Array, odometry: Array, optimised: Array, reference: Array | None = None) -> Any:
@@ -75,20 +62,6 @@ def memory_figure(memory: list[dict[str, float]]) -> Any:
     return figure
 
 
-def _table(rows: Iterable[Sequence[Any]], header: Iterable[str]) -> str:
-    cells = "".join("<th>%s</th>" % html.escape(name) for name in header)
-    body = "".join("<tr>%s</tr>" % "".join("<td>%s</td>" % html.escape(str(cell)) for cell in row) for row in rows)
-    return "<table><tr>%s</tr>%s</table>" % (cells, body)
-
-
-def _page(lines: Sequence[str]) -> str:
-    return "<h2>The recording</h2><pre>%s</pre>" % html.escape("\n".join(lines)) if lines else ""
-
-
-def _list(lines: Iterable[str]) -> str:
-    return "<ul>%s</ul>" % "".join("<li>%s</li>" % html.escape(line) for line in lines)
-
-
 def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array, odometry: Array, optimised: Array,
                  reference: Array | None = None) -> None:
     """Writes the report. metrics: the content of metrics.json."""
@@ -98,21 +71,22 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
             for name, s in sorted(stages.items())]
     counts = [[key, value] for key, value in sorted(metrics["counts"].items())]
     errors = [[key, "%.3f m" % value] for key, value in sorted(metrics.get("errors", {}).items())]
-    parts = ["<!doctype html><meta charset='utf-8'><title>%s</title><style>%s</style>" % (html.escape(title), _STYLE),
-             "<h1>%s</h1>" % html.escape(title), _page(metrics["recording"]), "<h2>Map and trajectory</h2>",
-             _image(map_figure(occupied, odometry, optimised, reference))]
+    parts = [head(title)]
+    if metrics["recording"]:
+        parts += [section("The recording"), preformatted("\n".join(metrics["recording"]))]
+    parts += [section("Map and trajectory"), image(map_figure(occupied, odometry, optimised, reference))]
     if errors:
-        parts += ["<h2>Trajectory error</h2>", _table(errors, ("RMSE", "value"))]
-    parts += ["<h2>Time of every stage</h2>", _table(rows, ("stage",) + columns)]
+        parts += [section("Trajectory error"), table(errors, ("RMSE", "value"))]
+    parts += [section("Time of every stage"), table(rows, ("stage",) + columns)]
     if stages:
-        parts.append(_image(stage_figure(stages)))
+        parts.append(image(stage_figure(stages)))
     if metrics["memory"]:
-        parts += ["<h2>Memory</h2>", _image(memory_figure(metrics["memory"]))]
-    parts += ["<h2>Counts</h2>", _table(counts, ("what", "number"))]
-    parts += ["<h2>What was left out</h2>", "<p>%s</p>" % html.escape(metrics["coverage"]["sentence"]),
-              _list(metrics["left_out_lines"] or ["nothing"])]
+        parts += [section("Memory"), image(memory_figure(metrics["memory"]))]
+    parts += [section("Counts"), table(counts, ("what", "number"))]
+    parts += [section("What was left out"), paragraph(metrics["coverage"]["sentence"]),
+              bullets(metrics["left_out_lines"] or ["nothing"])]
     warnings = [warning for warning in metrics["warnings"] if warning not in metrics["left_out_lines"]]
     if warnings:
-        parts += ["<h2>Warnings</h2>", _list(warnings)]
+        parts += [section("Warnings"), bullets(warnings)]
     with open(path, "w") as out:
         out.write("\n".join(parts))
