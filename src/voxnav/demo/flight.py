@@ -7,7 +7,7 @@ import argparse
 import os
 import sys
 import time
-from typing import Sequence
+from typing import Any, Sequence
 
 from voxnav.demo import mission, processes, summary
 from voxnav.demo.rviz import Rviz, show
@@ -16,14 +16,32 @@ from voxnav.demo.record import FlightRecord
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--world", default="forest", help="name of a file in worlds/ (forest, meadow, firetruck)")
+    parser.add_argument("--world", default="forest", help="name of a file in worlds/ (forest, meadow, firetruck), or "
+                        "path of a file that ends in .yaml")
     parser.add_argument("--seed", type=int, default=1, help="of world and sensor noise")
     parser.add_argument("--out", default="build/demo", help="folder for summary.json and the pictures")
     parser.add_argument("--lockstep", action="store_true", help="results independent of the machine's load")
     parser.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second")
+    parser.add_argument("--max-speed", type=float, metavar="MPS", help="horizontal speed limit of the vehicle")
+    parser.add_argument("--faults", action="store_true", help="a vehicle with the faults of config/faults.yaml")
+    parser.add_argument("--limit", type=float, metavar="S", help="simulated seconds after which the goal is given up; "
+                        "default: no limit")
     parser.add_argument("--config", default="", help="YAML over the defaults, one section per node")
     parser.add_argument("--no-rviz", action="store_true", help="no rviz picture")
+    parser.add_argument("--end-with-parent", action="store_true", help="end when standard input is closed")
     return parser.parse_args(argv)
+
+
+def launch_arguments(args: argparse.Namespace) -> dict[str, Any]:
+    """Returns the arguments of launch/simulation.launch; those that were not asked for keep their defaults."""
+    out = {"world_yaml": mission.world_file(args.world), "seed": args.seed, "speed_factor": args.speed,
+           "lockstep": str(args.lockstep).lower(), "lockstep_leader": "demo" if args.lockstep else "",
+           "custom_config": os.path.abspath(args.config) if args.config else ""}
+    if args.max_speed is not None:
+        out["max_speed_mps"] = args.max_speed
+    if args.faults:
+        out["faults"] = "true"
+    return out
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -34,13 +52,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     log = os.path.join(args.out, "roslaunch.log")
     started = time.monotonic()
     world = mission.simulated_world(args.world, args.seed)
-    launch_args = {"world": args.world, "seed": args.seed, "speed_factor": args.speed,
-                   "lockstep": str(args.lockstep).lower(), "lockstep_leader": "demo" if args.lockstep else "",
-                   "custom_config": os.path.abspath(args.config) if args.config else ""}
     print("demo: flying world %s, seed %d; logs in %s" % (args.world, args.seed, log), flush=True)
     rviz = None
     processes.end_cleanly_when_terminated()
-    launched, env = processes.launch("simulation.launch", launch_args, log)
+    if args.end_with_parent:
+        processes.end_with_parent()
+    launched, env = processes.launch("simulation.launch", launch_arguments(args), log)
     try:
         os.environ.update(ROS_MASTER_URI=env["ROS_MASTER_URI"], ROS_IP=env["ROS_IP"], ROS_NAMESPACE="/uav1")
         config = mission.repository_file("rviz/planning.rviz")
@@ -50,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         from voxnav.nodes import demo_mission  # rospy reads master and namespace from the environment when imported
 
         demo_mission.fly(record, mission.goal_of(world), os.path.join(args.out, "map"),
-                         is_leader=args.lockstep)
+                         is_leader=args.lockstep, limit_s=args.limit)
         notes = show(args, env, record, rviz, config, mission.trunks(world))
     finally:
         if rviz:

@@ -32,11 +32,16 @@ def _package_path() -> str | None:
         return None
 
 
+def world_file(world: str) -> str:
+    """Returns the path of a world, which is given by the name of a file in worlds/ or by a path that ends in .yaml."""
+    return os.path.abspath(world) if world.endswith(".yaml") else repository_file("worlds/%s.yaml" % world)
+
+
 def simulated_world(world: str, seed: int) -> World:
     """Generates the same world as the simulator, without ROS."""
     from voxnav import simulation
 
-    return simulation.World(repository_file("worlds/%s.yaml" % world), seed=seed)
+    return simulation.World(world_file(world), seed=seed)
 
 
 def goal_of(world: World, flight_height_m: float = 2.0) -> Array:

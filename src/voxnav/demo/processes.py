@@ -8,31 +8,53 @@ import shutil
 import signal
 import socket
 import subprocess
+import threading
 import time
 from typing import IO, Any, Dict
 
 Environment = Dict[str, str]
+_reserved_ports: list[socket.socket] = []
 
 
 def free_port() -> int:
-    """Returns a TCP port on which nobody listens at present."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Returns a TCP port on which nobody listens at present; other processes that ask here do not get it either."""
+    while True:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = int(probe.getsockname()[1])
+        # roslaunch listens on the port a second later. Meanwhile a flight that starts beside this one could choose the
+        # same port and join the wrong master. The name in Linux's abstract namespace ends with this process.
+        reservation = socket.socket(socket.AF_UNIX)
+        try:
+            reservation.bind("\0voxnav_ros_master_%d" % port)
+        except OSError:
+            reservation.close()
+            continue
+        _reserved_ports.append(reservation)
+        return port
 
 
 class Process:
-    """A child process in a process group of its own; stop() ends the whole group."""
+    """A child process in a process group of its own; stop() ends the whole group.
+
+    ends_with_this: the child, which calls end_with_parent(), ends when this process ends, even if that is killed.
+    """
 
     def __init__(self, command: list[str], log_path: str | None = None,
-                 env: Environment | None = None) -> None:
+                 env: Environment | None = None, ends_with_this: bool = False) -> None:
         self.command = command
         self._log: IO[str] | None = open(log_path, "w") if log_path else None
         self._process = subprocess.Popen(command, stdout=self._log or subprocess.DEVNULL, stderr=subprocess.STDOUT,
-                                         env=env, stdin=subprocess.DEVNULL, start_new_session=True)
+                                         env=env, stdin=subprocess.PIPE if ends_with_this else subprocess.DEVNULL,
+                                         start_new_session=True)
 
     def is_running(self) -> bool:
         return self._process.poll() is None
+
+    @property
+    def exit_status(self) -> int | None:
+        """Returns the status with which the process ended (below 0: the signal that ended it); None while it runs."""
+        return self._process.poll()
 
     def stop(self, timeout_s: float = 20.0) -> None:
         for sig, patience in ((signal.SIGINT, timeout_s), (signal.SIGTERM, 5.0), (signal.SIGKILL, 5.0)):
@@ -45,8 +67,9 @@ class Process:
                 break
             except subprocess.TimeoutExpired:
                 continue
-        if self._log is not None:
-            self._log.close()
+        for stream in (self._log, self._process.stdin):
+            if stream is not None:
+                stream.close()
 
     def __enter__(self) -> Process:
         return self
@@ -60,6 +83,15 @@ def end_cleanly_when_terminated() -> None:
     def end(number: int, _: object) -> None:
         raise SystemExit(128 + number)
     signal.signal(signal.SIGTERM, end)
+
+
+def end_with_parent() -> None:
+    """Makes this program end, as by SIGTERM, when the process that started it with ends_with_this=True has ended."""
+    def wait() -> None:
+        while os.read(0, 4096):  # nothing is written there: reading returns when the other end of the pipe is closed
+            pass
+        os.kill(os.getpid(), signal.SIGTERM)
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def launch(launch_file: str, arguments: dict[str, Any], log_path: str) -> tuple[Process, Environment]:

@@ -37,6 +37,9 @@ class FlightRecord:
         self.reached, self.reason = False, "the flight did not begin"
         self.goal: Array | None = None
         self.min_clearance_m: float | None = None
+        self.has_collided: bool | None = None
+        self.num_hovers: int | None = None
+        self.num_shortened: int | None = None  # trajectories that were shortened in flight
         self.real_time_factor: float | None = None
         self.speed_factor = 1.0  # the requested factor
         self.truth_track, self.odometry_track = Track(), Track()

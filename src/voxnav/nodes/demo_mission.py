@@ -30,9 +30,10 @@ def wait_for_master(uri, timeout_s):
     raise MissionError("no ROS master with the parameter use_sim_time at %s" % uri)
 
 
-def fly(record, goal, map_dir, uav="uav1", is_leader=False):
+def fly(record, goal, map_dir, uav="uav1", is_leader=False, limit_s=None):
     """Flies to goal (3,), given in the map frame, on the master of the environment.
 
+    limit_s: simulated seconds after which the goal is given up, or None.
     is_leader: the simulator waits for this mission (its leader is "demo") and for the nodes.
     Whatever stops the mission ends up in record.reason; the map goes to the folder map_dir.
     """
@@ -44,7 +45,8 @@ def fly(record, goal, map_dir, uav="uav1", is_leader=False):
         recorder = FlightRecorder(record, leader=leader)
         recorder.wait_for_nodes(NODES_LIMIT_S)
         recorder.take_off(TAKE_OFF_LIMIT_S)
-        recorder.fly_to(uav + "/voxnav_map", goal, FLIGHT_LIMIT_S * (WAITING_SLOWNESS if is_leader else 1.0))
+        recorder.fly_to(uav + "/voxnav_map", goal, FLIGHT_LIMIT_S * (WAITING_SLOWNESS if is_leader else 1.0),
+                        limit_s)
         recorder.optimise(10.0)
     except (MissionError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = str(error)

@@ -29,6 +29,7 @@ CONNECTION_S = 3.0
 # Lock-step lets half a second pass at once, so the queues must hold the messages of that time.
 TRACK_QUEUE = 1000
 WARM_UP_STEPS = 4
+COUNTERS = ("num_hovers", "num_shortened")  # of PlannerStatus and of FlightRecord
 
 
 class MissionError(RuntimeError):
@@ -80,13 +81,22 @@ class FlightRecorder:
             if self.record.mission is not None and msg.header.stamp.to_sec() <= self.record.mission[1]:
                 known = self.record.min_clearance_m
                 self.record.min_clearance_m = msg.clearance_m if known is None else min(known, msg.clearance_m)
+                self.record.has_collided = bool(msg.has_collided)
 
     def _on_status(self, msg):
         with self._lock:
             if self._status is None or self._status.reason != msg.reason:
                 rospy.loginfo("planning manager: %s", msg.reason)
                 self.reasons.append(msg.reason)
+            for name in COUNTERS:
+                self._count(name, msg)
             self._status = msg
+
+    def _count(self, name, msg):
+        """Adds what a counter of the planner grew by; a planner that was started anew counts from zero again."""
+        value, last = getattr(msg, name), 0 if self._status is None else getattr(self._status, name)
+        known = getattr(self.record, name) or 0
+        setattr(self.record, name, known + (value - last if value >= last else value))
 
     def _on_control(self, msg):
         with self._lock:
@@ -178,16 +188,25 @@ class FlightRecorder:
         self.wait_until(lambda: self._status is not None and self._status.has_goal, 10.0,
                         "the planner to take the goal")
 
-    def fly_to(self, frame, goal, timeout_s):
-        """Sends the goal and waits until it is reached or given up."""
+    def fly_to(self, frame, goal, timeout_s, limit_s=None):
+        """Sends the goal and waits until it is reached or given up.
+
+        timeout_s: limit of wall time; limit_s: limit of simulated time, or None.
+        """
         self.send_goal(frame, goal)
+        end_s = float("inf") if limit_s is None else self.record.mission[0] + limit_s
+
+        def is_over():
+            return not self._status.has_goal or self._status.header.stamp.to_sec() >= end_s
         try:
-            self.wait_until(lambda: not self._status.has_goal, timeout_s, "the goal to be reached")
+            self.wait_until(is_over, timeout_s, "the goal to be reached")
         finally:
             with self._lock:
                 self.record.mission = (self.record.mission[0], self._status.header.stamp.to_sec())
                 self.record.reached = bool(self._status.is_goal_reached)
                 self.record.reason = self._status.reason
+                if self._status.has_goal and self._status.header.stamp.to_sec() >= end_s:
+                    self.record.reason = "not reached within %g s; last: %s" % (limit_s, self._status.reason)
 
     def _newest_truth(self):
         stamps, _ = self.record.truth_track.arrays()
