@@ -11,6 +11,8 @@ import re
 import sysconfig
 from xml.etree import ElementTree
 
+import pytest
+
 from test_floors import ROOT, git_files
 
 # The packages whose names differ from those of their headers, Python modules, CMake packages or programs.
@@ -24,6 +26,8 @@ CMAKE_PACKAGES = {"Ceres": "libceres-dev", "Eigen3": "eigen", "GTest": "gtest", 
 PROGRAMS = {"Xvfb": "xvfb", "import": "imagemagick", "pointcloud_to_pcd": "pcl_ros", "rviz": "rviz",
             "roslaunch": "roslaunch", "rosnode": "rosnode"}
 GROUND = {"rviz", "xvfb", "imagemagick", "python3-matplotlib", "python3-scipy"}
+# Rosdep has no keys for these modules, so package.xml cannot declare them; they are in the lists of Debian packages.
+UNKNOWN_TO_ROSDEP = {"distributed": "python3-distributed", "optuna": "python3-optuna"}
 # Names that are not packages, because they belong to the C library, the compiler or voxnav.
 NOT_PACKAGES = {"sys", "voxnav", "voxnav_ros", "voxnav_simulation", "Threads"}
 GENERATED_MESSAGES = {"build": {"message_generation"}, "exec": {"message_runtime"}, "build_export": {"message_runtime"}}
@@ -78,7 +82,7 @@ def modules(*files):
     found = matches(r'^\s*(?:import|from) (\w+)', *files)
     found.update(matches(r'importorskip\("(\w+)"', *files))
     return {MODULES.get(name, name): path for name, path in found.items()
-            if name not in own and not is_of_the_standard_library(name)}
+            if name not in own and name not in UNKNOWN_TO_ROSDEP and not is_of_the_standard_library(name)}
 
 
 def launched(folder):
@@ -127,6 +131,13 @@ def test_packages_of_the_ground_station_are_not_dependencies_of_the_aircraft():
     kinds = declared()
     assert kinds["ground"] == GROUND
     assert not kinds["exec"] & GROUND
+
+
+@pytest.mark.parametrize("module", sorted(UNKNOWN_TO_ROSDEP))
+def test_what_rosdep_does_not_know_is_a_package_of_the_list_and_is_used(module):
+    with open(os.path.join(ROOT, "scripts", "dev", "packages-debian.txt")) as source:
+        assert UNKNOWN_TO_ROSDEP[module] in source.read().split()
+    assert module in matches(r"^\s*(?:import|from) (\w+)", "src/*.py")
 
 
 def test_what_the_tests_use_is_a_test_dependency():

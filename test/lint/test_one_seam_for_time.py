@@ -12,7 +12,7 @@ WORDS = re.compile(r"lock[-_ ]?step|is_synchronous", re.IGNORECASE)
 ALLOWED = re.compile(
     r"^(include/voxnav_ros/time_seam\.hpp|src/ros/time_seam\.cpp|src/voxnav/nodes/time_seam\.py"
     r"|src/simulation/|src/ros/uav_simulator/|include/voxnav_simulation/|config/uav_simulator\.yaml"
-    r"|launch/|src/voxnav/demo/|src/voxnav/nodes/(demo_mission|flight_recorder|time_leader)\.py"
+    r"|launch/|src/voxnav/demo/|src/voxnav/campaign/|src/voxnav/nodes/(demo_mission|flight_recorder|time_leader)\.py"
     r"|test/|docs/|README\.md|CHANGELOG\.rst|CONTRIBUTING\.md|scripts/dev/)")
 
 

@@ -11,11 +11,11 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 FOLDERS = ("include/voxnav", "include/voxnav_ros", "src/core", "src/bindings", "src/ros", "src/voxnav")
 SUFFIXES = (".hpp", ".cpp", ".py")
 # The files in these folders that may know how time runs: the seam with its parameters, the programs that drive a
-# simulation (its leader and the demonstrations), and the simulator's nodelet.
+# simulation (its leader, the demonstrations and campaigns), and the simulator's nodelet.
 MAY_KNOW_HOW_TIME_RUNS = (
     "include/voxnav/pipeline/time_config.hpp", "include/voxnav_ros/time_seam.hpp", "src/ros/time_seam.cpp",
     "src/voxnav/nodes/time_seam.py", "src/voxnav/nodes/time_leader.py", "src/voxnav/demo/flight.py",
-    "src/voxnav/demo/recording.py",
+    "src/voxnav/demo/recording.py", "src/voxnav/campaign/flight.py",
     "src/ros/uav_simulator/")
 
 

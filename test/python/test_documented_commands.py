@@ -32,6 +32,8 @@ TESTS = {
     "rosservice call /uav1/planning_manager/goto": ("test/rostest/planning_manager_test.py", "planning_manager/goto"),
     "rosservice call /uav1/planning_manager/stop": ("test/rostest/planning_manager_test.py", "planning_manager/stop"),
     "rosbag play --clock flight.bag": ("test/python/test_rosbag_play.py", '"rosbag", "play", "--clock"'),
+    "dask-scheduler": ("test/python/test_campaign.py", '"dask-scheduler"'),
+    "scripts/dev/in_workspace build/ws dask-worker": ("test/python/test_campaign.py", '"dask-worker"'),
     "pre-commit install": ("test/lint/test_hooks.py", ".pre-commit-config.yaml"),
     "cd build/ws/build/voxnav/test && ctest": ("scripts/dev/run_tests", "ctest"),
 }
