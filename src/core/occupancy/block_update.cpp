@@ -2,6 +2,7 @@
 #include "occupancy/block_update.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "kernels/masked_bytes.hpp"
 
@@ -31,7 +32,7 @@ bool is_beside(const std::uint8_t* levels, int offset, std::uint8_t above) {
   const int x = offset & 15, y = (offset >> 4) & 15, z = offset >> 8;
   for (int nz = std::max(z - 1, 0); nz <= std::min(z + 1, 15); ++nz) {
     for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, 15); ++ny) {
-      const std::uint8_t* row = levels + 16 * (16 * nz + ny);
+      const std::uint8_t* row = levels + std::ptrdiff_t{16} * (16 * nz + ny);
       for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, 15); ++nx) {
         if (row[nx] > above) return true;
       }

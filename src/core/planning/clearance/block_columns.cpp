@@ -20,7 +20,7 @@ std::uint32_t low_bits(std::uint64_t word) {
 /// Sets the bit of a height in all columns whose bits are set in a layer's 32 columns.
 void set_height(std::uint32_t columns, int first, int z, BlockColumns* out) {
   for (std::uint32_t bits = columns; bits != 0; bits &= bits - 1) {
-    std::uint16_t& column = (*out)[static_cast<std::size_t>(first + __builtin_ctz(bits))];
+    std::uint16_t& column = (*out)[static_cast<std::size_t>(first) + static_cast<std::size_t>(__builtin_ctz(bits))];
     column = static_cast<std::uint16_t>(column | 1u << z);
   }
 }

@@ -32,7 +32,7 @@ BlockColumns outside(const VoxelBox& inside) {
 /// The voxels of a column nearer than a squared distance.
 std::uint16_t nearer_than(const ClearanceDistances* distances, int column, double squared) {
   if (distances == nullptr) return 0;
-  const std::int16_t* at = &(*distances)[kSide * column];
+  const std::int16_t* at = &(*distances)[static_cast<std::size_t>(column) * kSide];
   std::uint32_t out = 0;
   for (int z = 0; z < kSide; ++z) out |= static_cast<std::uint32_t>(at[z] < squared) << z;
   return static_cast<std::uint16_t>(out);

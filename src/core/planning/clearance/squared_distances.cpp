@@ -112,7 +112,7 @@ void SquaredDistanceTransform::along_y(const ColumnRange& range, ClearanceDistan
         const int at = halo_at(x, y + dy);
         if (has_row_[at]) take_least(rows_[at].data(), weights_[std::abs(dy)], &least);
       }
-      std::int16_t* to = &(*out)[kSide * column_at(x, y)];
+      std::int16_t* to = &(*out)[static_cast<std::size_t>(column_at(x, y)) * kSide];
       for (int z = 0; z < kSide; ++z) to[z] = least[z] <= limit_ ? least[z] : kFar;
     }
   }
