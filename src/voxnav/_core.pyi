@@ -908,6 +908,8 @@ class PlanningManagerConfig:
     corridor_radius_m: float
     min_corridor_radius_m: float
     trajectory_deviation_m: float
+    replan_deviation_m: float
+    brake_deviation_m: float
     stop_margin_m: float
     reaction_time_s: float
     deceleration_ratio: float
@@ -915,6 +917,7 @@ class PlanningManagerConfig:
     rest_speed_mps: float
     min_progress_m: float
     stuck_time_s: float
+    max_dead_ends: int
     odometry_timeout_s: float
     map_timeout_s: float
     correction_timeout_s: float
@@ -926,9 +929,10 @@ class PlanningManagerConfig:
         self, *,
         planning_budget_s: float = ..., generation_budget_s: float = ..., max_flight_time_s: float = ...,
         replan_interval_s: float = ..., retry_interval_s: float = ..., corridor_radius_m: float = ...,
-        min_corridor_radius_m: float = ..., trajectory_deviation_m: float = ..., stop_margin_m: float = ...,
-        reaction_time_s: float = ..., deceleration_ratio: float = ..., goal_tolerance_m: float = ...,
-        rest_speed_mps: float = ..., min_progress_m: float = ..., stuck_time_s: float = ...,
+        min_corridor_radius_m: float = ..., trajectory_deviation_m: float = ..., replan_deviation_m: float = ...,
+        brake_deviation_m: float = ..., stop_margin_m: float = ..., reaction_time_s: float = ...,
+        deceleration_ratio: float = ..., goal_tolerance_m: float = ..., rest_speed_mps: float = ...,
+        min_progress_m: float = ..., stuck_time_s: float = ..., max_dead_ends: int = ...,
         odometry_timeout_s: float = ..., map_timeout_s: float = ..., correction_timeout_s: float = ...,
         tracker_timeout_s: float = ..., diagnostics_timeout_s: float = ..., constraints_timeout_s: float = ...,
         job_timeout_s: float = ...
@@ -948,14 +952,15 @@ class PlanningNodeConfig:
     check_rate_hz: float
     status_rate_hz: float
     service_timeout_s: float
+    hover_timeout_s: float
     generator_time_s: float
     keep_goal_over_restart: bool
     def __init__(
         self, *,
         map_frame: str = ..., use_map_correction: bool = ..., required_nodes: Sequence[str] = ...,
         heartbeat_timeout_s: float = ..., main_rate_hz: float = ..., check_rate_hz: float = ...,
-        status_rate_hz: float = ..., service_timeout_s: float = ..., generator_time_s: float = ...,
-        keep_goal_over_restart: bool = ...
+        status_rate_hz: float = ..., service_timeout_s: float = ..., hover_timeout_s: float = ...,
+        generator_time_s: float = ..., keep_goal_over_restart: bool = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> PlanningNodeConfig: ...

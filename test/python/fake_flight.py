@@ -4,7 +4,7 @@
 import numpy as np
 
 import voxnav
-from voxnav.planning_manager import Generate, Plan, Publish
+from voxnav.planning_manager import Generate, Generated, Plan, Publish
 
 LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
 RESOLUTION = 0.4
@@ -27,7 +27,7 @@ class FakeFlight:
         self.T_W_O = np.eye(4) if T_W_O is None else T_W_O
         self.map = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0, max_altitude_m=20.0))
         self.config = voxnav.PlanningManagerConfig(**config)
-        self.manager = voxnav.PlanningManager(self.config, -5.0, 20.0)
+        self.manager = voxnav.PlanningManager(self.config, (-5.0, 20.0), self.map.view)
         search = voxnav.FlightSearchConfig(unknown_policy="penalise", unknown_cost=2.0, safety_distance_m=0.9,
                                            clearance_distance_m=0.0, known_distance_m=0.0)
         self.planner = voxnav.PathPlanner(search.planner_config())
@@ -35,9 +35,13 @@ class FakeFlight:
         self.now = 100.0
         self.flown = None  # (points, dt, begin)
         self.log, self.track = [], []
-        self.fails = set()  # kinds of actions that the services refuse
+        self.fails = set()  # kinds of actions, and means of stopping, that the services refuse
+        self.shift = np.zeros(3)  # how far the vehicle is from where the tracker believes it to be
+        self.delay_s = 0.0  # how old the answers of the generator are
         self.silent = set()  # kinds of actions that are never answered
         self.lost = set()  # inputs that are no longer updated
+        self.limits = None  # limits that the control manager tells; None: LIMITS
+        self.ahead_s = {}  # how far the stamps of inputs are ahead of the time
         self.is_flying = True
         self.callbacks_from = self.now  # the tracker accepts goals from this time on; it refuses them while it brakes
         self.frames = ("odom", "odom")  # the frames of the map and of the vehicle
@@ -69,23 +73,24 @@ class FakeFlight:
         self.map.set_vehicle(self.position)
         self.map.set_T_W_O(self.T_W_O)
         if "odometry" not in self.lost:
-            m.set_vehicle(now, self.position, self.velocity)
+            m.set_vehicle(now + self.ahead_s.get("odometry", 0.0), self.position, self.velocity)
         if "tracker" not in self.lost:
             times = now + 0.01 + 0.2 * np.arange(40)
-            m.set_prediction(now, list(times), np.array([self.position_at(t) for t in times]))
+            line = np.array([self.position_at(t) for t in times])
+            m.set_prediction(now + self.ahead_s.get("tracker", 0.0), list(times), line)
         if "map" not in self.lost:
-            m.set_map_stamp(now)
+            m.set_map_stamp(now + self.ahead_s.get("map", 0.0))
         if "correction" not in self.lost:
             m.set_T_W_O(now, self.T_W_O)
         is_tracking = self.flown is not None and now < self.flown[2] + self.flown[1] * (len(self.flown[0]) - 1)
         m.set_control(now, self.is_flying, self.is_flying and now >= self.callbacks_from, is_tracking)
         m.set_frames(*self.frames)
-        m.set_limits(now, LIMITS)
+        m.set_limits(now, self.limits or LIMITS)
 
     def step(self):
         before = self.position
         self.now += TICK_S
-        self.position = self.position_at(self.now)
+        self.position = self.position_at(self.now) + self.shift
         self.velocity = (self.position - before) / TICK_S
         self.track.append(self.position)
         self.tell()
@@ -93,7 +98,7 @@ class FakeFlight:
             self.look()
         self.do(self.manager.tick(self.now))
         if len(self.track) % 2 == 0:
-            self.do(self.manager.check(self.map.view(), self.now))
+            self.do(self.manager.check(self.now))
 
     def fly(self, seconds, until=lambda flight: False):
         for _ in range(int(seconds / TICK_S)):
@@ -110,7 +115,8 @@ class FakeFlight:
                 self.do(self.answer(action) or [])
 
     def answer(self, action):
-        problem = "refused for the test" if action.name in self.fails else ""
+        kinds = {action.name, getattr(action, "means", None)}
+        problem = "refused for the test" if kinds & self.fails else ""
         if isinstance(action, Plan):
             view = self.map.view()
             self.field.update(view)
@@ -118,15 +124,19 @@ class FakeFlight:
                                           LIMITS)
             return self.manager.plan_done(action.job, outcome, self.now)
         if isinstance(action, Generate):
-            trajectory = None if problem else self.generate(action)
-            return self.manager.generate_done(action.job, problem, trajectory, self.map.view(), self.now)
+            return self.manager.generate_done(action.job, problem or self.generate(action), self.now)
         if isinstance(action, Publish):
             if not problem:
-                self.flown = (action.trajectory.points, action.trajectory.dt_s, self.now)
+                self.follow(action.trajectory, action.stamp_s)
             return self.manager.publish_done(action.job, problem, self.now)
-        if not problem:
+        if not problem and action.trajectory is not None:
+            self.follow(action.trajectory, None)
+        elif not problem:
             self.hover()
-        self.manager.hover_done(problem, self.now)
+        return self.manager.hover_done(problem, self.now)
+
+    def follow(self, trajectory, stamp_s):
+        self.flown = (trajectory.points, trajectory.dt_s, self.now if stamp_s is None else stamp_s)
 
     def hover(self):
         """Stops on the spot, whoever asked for it, and refuses goals for a moment, as an MRS system does."""
@@ -134,15 +144,16 @@ class FakeFlight:
 
     def generate(self, action):
         """Returns a trajectory as MRS does: the prediction until the start, then along the waypoints to rest."""
-        points = []
+        points, stamp_s = [], None
         if action.start_stamp_s is not None:
-            points = [self.position_at(t) for t in np.arange(self.now, action.start_stamp_s, 0.2)]
+            stamp_s = self.now - self.delay_s
+            points = [self.position_at(t) for t in np.arange(stamp_s, action.start_stamp_s, 0.2)]
         line = [self.position if action.start_stamp_s is None else points[-1]] + list(action.waypoints_O)
         length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
         for s in np.arange(0.0, length[-1], 0.3):
             points.append(np.array([np.interp(s, length, np.array(line)[:, k]) for k in range(3)]))
         points.append(np.asarray(line[-1]))
-        return voxnav.Trajectory(np.array(points), 0.2)
+        return Generated(voxnav.Trajectory(np.array(points), 0.2), stamp_s)
 
     def count(self, kind):
         return sum(1 for entry in self.log if entry[0] == kind)

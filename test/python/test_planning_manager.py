@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import voxnav
-from fake_flight import FakeFlight
+from fake_flight import TICK_S, FakeFlight
+from voxnav.planning_manager import Means
 
 IDLE, PLANNING, MOVING = 0, 1, 2
 SIZE = (110, 50, 20)
@@ -150,6 +151,113 @@ def test_hover_is_repeated_until_it_is_accepted():
     assert flight.manager.status["goal_W"] is None
 
 
+def test_a_hover_refused_in_motion_becomes_an_emergency_hover_at_once():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.fails.add(Means.HOVER)
+    flight.do(flight.manager.stop("stopped by the user", flight.now))
+    assert flight.flown is None, "the vehicle has stopped before the next tick"
+    assert flight.count("hover") == 2
+    assert flight.manager.status.num_hovers == 1
+
+
+def climbed(flight, height_m, speed_mps=1.0):
+    """Moves the vehicle away from where the tracker believes it to be, in small steps."""
+    while abs(flight.shift[2] - height_m) > 1e-6:
+        change = height_m - flight.shift[2]
+        flight.shift[2] += np.clip(change, -speed_mps * TICK_S, speed_mps * TICK_S)
+        flight.step()
+
+
+def test_a_vehicle_that_somebody_lifts_by_three_metres_flies_on_with_new_plans():
+    # The mutual avoidance of the control manager climbs 3 m while it follows the trajectory.
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 2.0)
+    plans = flight.count("plan")
+    climbed(flight, 3.0)
+    assert "from the trajectory" in flight.manager.status.reason or moving(flight)
+    assert flight.count("plan") > plans
+    climbed(flight, 0.0)
+    assert flight.count("hover") == 0
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+def test_a_vehicle_that_leaves_its_trajectory_altogether_is_stopped():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 2.0)
+    climbed(flight, 4.0)
+    assert any(kind == "hover" and reason.startswith("brake: 3.") for kind, reason in flight.log), flight.log
+
+
+def test_a_jump_of_the_odometry_stops_the_flight_and_it_resumes():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.shift[1] = 2.0
+    velocity = flight.velocity
+    flight.position = flight.position + (0.0, 2.0, 0.0)
+    flight.manager.set_vehicle(flight.now + 0.01, flight.position, velocity)
+    flight.do(flight.manager.tick(flight.now + 0.01))
+    assert ("hover", "odometry jumped by 2.0 m") in flight.log
+    flight.shift[1] = 0.0
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+@pytest.mark.parametrize("limits, words", [
+    ([0.0] * 6, "not between"), ([-4.0, 2.0, 2.0, 1.0, 2.0, 1.0], "not between"),
+    ([float("nan")] * 6, "not finite"), ([1e9] * 6, "not between"), ([4.0, 2.0, 2.0, 1e-6, 2.0, 1.0], "not between")])
+def test_absurd_limits_stop_the_flight_with_a_reason_and_it_resumes(limits, words):
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.limits = limits
+    flight.fly(0.3)
+    status = flight.manager.status
+    assert "constraints" in status.reason and words in status.reason and status.goal_W is not None
+    assert flight.count("hover") == 1 and flight.flown is None
+    flight.limits = None
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+@pytest.mark.parametrize("what", ["map", "odometry", "tracker"])
+def test_stamps_of_another_clock_stop_the_flight_with_a_reason(what):
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.ahead_s[what] = 30.0
+    flight.fly(0.3)
+    assert "stamped in the future" in flight.manager.status.reason and flight.count("hover") == 1
+    flight.ahead_s.clear()
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
+def test_predictions_that_are_none_count_as_lost():
+    manager = voxnav.PlanningManager(voxnav.PlanningManagerConfig(), (0.5, 20.0), lambda: None)
+    for times, places in (([1.0, 0.5], np.zeros((2, 3))), ([1.0], np.zeros((2, 3))), ([], np.zeros((0, 3))),
+                          ([1.0, 2.0], np.full((2, 3), np.nan)), ([1.0, 2.0], np.zeros((2, 2)))):
+        manager.set_prediction(0.0, times, places)
+        assert manager.inputs.prediction is None
+    manager.set_prediction(0.0, [1.0, 2.0], np.zeros((2, 3)))
+    assert manager.inputs.prediction is not None
+
+
+def test_a_slow_generator_makes_no_step_back():
+    flight = started(world(), (30.0, 0.0, 0.0), known_range_m=6.0)
+    flight.delay_s = 0.4
+    assert flight.fly(60.0, reached), flight.manager.status
+    moves = np.diff(flight.track, axis=0)
+    assert np.linalg.norm(moves, axis=1).max() < 0.12, "1.5 m/s and no jump"
+    assert moves[:, 0].min() > -1e-6, "no trajectory begins behind the vehicle"
+    assert flight.count("publish") > 4 and flight.count("hover") == 0
+
+
+def test_a_generator_that_answers_when_its_trajectory_is_over_is_named():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    flight.delay_s = 100.0
+    flight.fly(3.0)
+    assert flight.count("hover") == 0
+    flight.delay_s = 0.0
+    assert flight.fly(60.0, reached), flight.manager.status
+
+
 def test_a_stop_on_the_ground_does_not_wait_for_a_hover():
     flight = FakeFlight(world(), ORIGIN, START)
     flight.look()
@@ -198,7 +306,7 @@ def test_nothing_is_flown_into_unknown_space():
 
 
 def test_unusable_goals_are_refused_with_a_reason():
-    manager = voxnav.PlanningManager(voxnav.PlanningManagerConfig(), 0.5, 20.0)
+    manager = voxnav.PlanningManager(voxnav.PlanningManagerConfig(), (0.5, 20.0), lambda: None)
     assert manager.set_goal((float("nan"), 0.0, 2.0), None, 0.0) == "goal is not finite"
     assert manager.set_goal((1.0, 0.0, 2.0), float("inf"), 0.0) == "goal is not finite"
     assert "below" in manager.set_goal((1.0, 0.0, -3.0), None, 0.0)

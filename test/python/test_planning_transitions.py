@@ -9,8 +9,9 @@ import pytest
 
 import voxnav
 import voxnav.planning_manager as package
-from voxnav.planning_manager import Because, Generate, Hover, Idle, Level, Moving, Plan, Planning, Publish, Reason
-from voxnav.planning_manager import flying, planning, stopping
+from voxnav.planning_manager import (Because, Generate, Generated, Hover, Idle, Level, Means, Moving, Plan, Planning,
+                                     Publish, Reason)
+from voxnav.planning_manager import checking, flying, planning, stopping, stops, takeover, ways
 from voxnav.planning_manager.facts import Facts
 from voxnav.planning_manager.inputs import Control, Frames, Inputs, Prediction, Timed, Vehicle
 from voxnav.planning_manager.states import (Flight, Generating, Goal, Leads, OwnHover, Advance, Publishing,
@@ -21,7 +22,8 @@ CONFIG = voxnav.PlanningManagerConfig()
 LIMITS = (4.0, 2.0, 2.0, 1.0, 2.0, 1.0)
 BECAUSE = Because(Reason.MOVING, "for the test")
 GOAL = Goal(np.array([20.0, 0.0, 2.0]), None, has_been_free=True)
-TRAJECTORY = voxnav.Trajectory(np.array([(0.4 * i, 0.0, 2.0) for i in range(40)]), 0.2)
+TRAJECTORY = voxnav.Trajectory(np.array([(0.4 * i, 0.0, 2.0) for i in range(31)]), 0.2)
+GENERATED = Generated(TRAJECTORY, None)
 FREE = Control(is_flying=True, accepts_goals=True, is_tracking=True)
 
 
@@ -34,8 +36,9 @@ def inputs(now=NOW, position=(1.0, 0.0, 2.0), velocity=(2.0, 0.0, 0.0), control=
                   frames=Frames("odom", "odom"))
 
 
-def facts(now=NOW, **kwargs):
-    return Facts(now, inputs(now, **kwargs), CONFIG, JOB)
+def facts(now=NOW, seen=None, **kwargs):
+    """seen: the map; None if there is none."""
+    return Facts(now, inputs(now, **kwargs), CONFIG, JOB, lambda: seen)
 
 
 def at_rest(now=NOW, **kwargs):
@@ -43,7 +46,8 @@ def at_rest(now=NOW, **kwargs):
 
 
 def flight(begin_s=NOW - 0.5, is_to_goal=False, left_m=10.0, is_tracked=True):
-    return Flight(TRAJECTORY, begin_s, Leads(0.7, is_to_goal, left_m), GOAL.position_W, begin_s - 0.1, is_tracked)
+    leads = Leads(0.7, is_to_goal, left_m)
+    return Flight(TRAJECTORY, begin_s, leads, GOAL.position_W, begin_s - 0.1, begin_s, is_tracked)
 
 
 def planning_state(**kwargs):
@@ -54,11 +58,12 @@ def moving_state(**kwargs):
     return Moving(BECAUSE, GOAL, kwargs.pop("flight", flight()), NOW + 1.0, **kwargs)
 
 
-def view(occupied=None):
+def view(occupied=None, height_m=4.8, state=2):
     """Returns a view in which all is free around the trajectory, except for a column of voxels at (x, y)."""
-    truth = np.ones((60, 20, 12), dtype=np.int8)
+    truth = np.ones((60, 20, 18), dtype=np.int8)
     if occupied is not None:
-        truth[tuple(np.floor((np.array(occupied) + (4.0, 4.0)) / 0.4).astype(int))] = 2
+        column = tuple(np.floor((np.array(occupied) + (4.0, 4.0)) / 0.4).astype(int))
+        truth[column][:int(np.ceil(height_m / 0.4))] = state
     nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0))
     grid = voxnav.StateGrid.from_array(truth, (-4.0, -4.0, 0.0), 0.4)
     assert nav.apply_local(1, 0.4, **grid.snapshot()) == voxnav.Applied.APPLIED
@@ -79,7 +84,7 @@ def generating(**kwargs):
 
 
 def publishing(is_shortening=False):
-    return Publishing(JOB, NOW - 0.1, TRAJECTORY, Leads(0.7, True, 0.0), BECAUSE, is_shortening)
+    return Publishing(JOB, NOW - 0.1, TRAJECTORY, None, Leads(0.7, True, 0.0), BECAUSE, is_shortening)
 
 
 def kinds(actions):
@@ -112,7 +117,7 @@ def test_a_goal_keeps_a_trajectory_that_is_on_its_way_to_the_tracker():
 
 
 def test_stop_drops_the_goal_and_hovers():
-    after, actions = stopping.stop(Because(Reason.STOPPED, "stopped"), facts())
+    after, actions = stopping.stop(moving_state(), Because(Reason.STOPPED, "stopped"), facts())
     assert isinstance(after, Idle) and after.goal is None and kinds(actions) == [Hover]
 
 
@@ -162,7 +167,8 @@ def test_no_hover_is_commanded_on_the_ground():
 
 MISSING = {
     Reason.NO_ODOMETRY: dict(vehicle=None), Reason.NO_DIAGNOSTICS: dict(control=Timed(NOW - 10.0, FREE)),
-    Reason.NO_CONSTRAINTS: dict(limits=Timed(NOW, (0.0,) * 6)), Reason.NO_PREDICTION: dict(prediction=None),
+    Reason.NO_CONSTRAINTS: dict(limits_problem="constraints are not finite"),
+    Reason.NO_PREDICTION: dict(prediction=None),
     Reason.NO_MAP: dict(map_stamp_s=NOW - 5.0), Reason.FRAMES_DIFFER: dict(frames=Frames("a", "b")),
     Reason.NO_CORRECTION: dict(T_W_O=None), Reason.NODE_LOST: dict(lost_nodes=frozenset(["local_mapper"]))}
 
@@ -328,24 +334,24 @@ def test_beside_a_blocked_goal_the_goal_is_given_up():
 
 
 def test_a_safe_trajectory_is_published():
-    after, (publish,) = flying.generate_done(planning_state(job=generating()), JOB, TRAJECTORY, "", view(), at_rest())
+    after, (publish,) = flying.generate_done(planning_state(job=generating()), JOB, GENERATED, at_rest(seen=view()))
     assert isinstance(publish, Publish) and not publish.is_shortening
     assert after.job.leads.is_to_goal and after.job.because.sentence == "moving to the goal"
 
 
 def test_only_the_safe_part_of_a_generated_trajectory_is_published():
     state = planning_state(job=generating())
-    after, (publish,) = flying.generate_done(state, JOB, TRAJECTORY, "", view((11.0, 0.0)), at_rest())
+    after, (publish,) = flying.generate_done(state, JOB, GENERATED, at_rest(seen=view((11.0, 0.0))))
     assert publish.trajectory.length_m < 11.0 and not after.job.leads.is_to_goal
     assert after.job.leads.left_m == pytest.approx(TRAJECTORY.length_m - publish.trajectory.length_m, abs=0.1)
 
 
-@pytest.mark.parametrize("trajectory, problem, seen, words", [
-    (None, "refused", view(), "trajectory generator: refused"), (None, "", view(), "empty trajectory"),
-    (TRAJECTORY, "", None, "no map"), (TRAJECTORY, "", view((1.0, 0.0)), "not known free: occupied")])
-def test_without_a_safe_trajectory_planning_is_tried_again(trajectory, problem, seen, words):
+@pytest.mark.parametrize("generated, seen, words", [
+    ("refused", view(), "trajectory generator: refused"), (GENERATED, None, "no map"),
+    (GENERATED, view((1.0, 0.0)), "not known free: occupied")])
+def test_without_a_safe_trajectory_planning_is_tried_again(generated, seen, words):
     state = planning_state(job=generating())
-    after, actions = flying.generate_done(state, JOB, trajectory, problem, seen, at_rest())
+    after, actions = flying.generate_done(state, JOB, generated, at_rest(seen=seen))
     assert isinstance(after, Planning) and after.job is None and not actions
     assert after.because.reason is Reason.GENERATOR_FAILED and words in after.because.sentence
 
@@ -372,39 +378,247 @@ def test_the_tracker_takes_or_refuses_a_shortened_trajectory():
 def test_a_trajectory_that_is_taken_too_late_is_stopped():
     after, actions = flying.publish_done(planning_state(), JOB, "", facts())
     assert isinstance(after, Planning) and kinds(actions) == [Hover]
-    for state in (Idle(BECAUSE), planning_state(hover=OwnHover(BECAUSE, NOW)),
-                  planning_state(job=replace(publishing(), job=JOB + 1))):
+    for state in (Idle(BECAUSE), planning_state(job=replace(publishing(), job=JOB + 1))):
         assert flying.publish_done(state, JOB, "", facts()) == (state, ())
+    for state in (Idle(BECAUSE, GOAL, OwnHover(BECAUSE, NOW, NOW)), planning_state(hover=OwnHover(BECAUSE, NOW))):
+        after, (hover,) = flying.publish_done(state, JOB, "", facts())
+        assert hover.is_repeat and hover.means is Means.HOVER and after.hover.accepted_s is None
     assert flying.publish_done(planning_state(), JOB, "busy", facts())[1] == ()
 
 
 def test_a_safe_corridor_changes_nothing():
     state = moving_state()
-    assert flying.check(state, view(), facts()) == (state, ())
+    assert checking.check(state, facts(seen=view())) == (state, ())
 
 
 def test_an_unsafe_corridor_shortens_the_flight():
-    after, (publish,) = flying.check(moving_state(), view((8.0, 0.0)), facts())
+    after, (publish,) = checking.check(moving_state(), facts(seen=view((8.0, 0.0))))
     assert isinstance(after, Planning) and after.because.reason is Reason.SHORTENED
     assert publish.is_shortening and after.job.is_shortening and after.flight.trajectory is TRAJECTORY
-    again, actions = flying.check(after, view((8.0, 0.0)), facts(NOW + 0.2))
+    again, actions = checking.check(after, facts(NOW + 0.2, seen=view((8.0, 0.0))))
     assert again is after and not actions, "the shortened trajectory is on its way"
-    late, actions = flying.check(after, view((8.0, 0.0)), facts(NOW + 0.5))
+    late, actions = checking.check(after, facts(NOW + 0.5, seen=view((8.0, 0.0))))
     assert kinds(actions) == [Hover] and late.because.reason is Reason.BRAKE
 
 
 @pytest.mark.parametrize("seen", [None, view((2.4, 0.0))])
 def test_without_room_to_stop_or_without_a_map_the_vehicle_brakes(seen):
     progress = Advance(np.zeros(3), NOW - 1.0)
-    after, actions = flying.check(moving_state(progress=progress), seen, facts())
+    after, actions = checking.check(moving_state(progress=progress), facts(seen=seen))
     assert isinstance(after, Planning) and after.flight is None and kinds(actions) == [Hover]
     assert after.because.reason is Reason.BRAKE and after.progress is progress
+
+
+def predicting(line, now=NOW, velocity=(2.0, 0.0, 0.0), **kwargs):
+    """Returns facts in which the tracker predicts a line (n, 3), 0.2 s apart, beginning with the vehicle."""
+    known = facts(now, position=line[0], velocity=velocity, **kwargs)
+    times = now + 0.2 * np.arange(len(line))
+    return replace(known, inputs=replace(known.inputs, prediction=Timed(now, Prediction(times, np.array(line)))))
+
+
+AHEAD = [(1.0 + 0.4 * i, 0.0, 2.0) for i in range(40)]
+ASIDE = [(1.0, 0.3 * i, 2.0) for i in range(40)]
+
+
+def test_a_vehicle_far_from_its_trajectory_gets_a_new_plan_and_brakes_farther_away():
+    for offset_m in (0.9, 1.1, 3.6):
+        line = np.array(AHEAD) + (0.0, 0.0, offset_m)
+        after, actions = checking.check(moving_state(), predicting(line, seen=view()))
+        if offset_m < 1.0:
+            assert after.because is BECAUSE and not actions
+        elif offset_m < 3.5:
+            assert after.because.reason is Reason.DEVIATED and after.plan_from_s == NOW and not actions
+            assert isinstance(after, Moving) and after.flight.leads.left_m is None, "any plan is better"
+            assert planning.is_plan_due(after, facts())
+            again, _ = checking.check(after, predicting(line, NOW, seen=view()))
+            assert again is after
+        else:
+            assert isinstance(after, Planning) and kinds(actions) == [Hover]
+            assert after.because.sentence == "brake: 3.6 m from the trajectory"
+
+
+def test_a_tracker_that_leads_away_from_the_trajectory_gets_a_new_plan():
+    known = predicting(np.array(AHEAD) + [(0.0, min(3.0, 0.3 * i), 0.0) for i in range(40)], seen=view())
+    after, actions = checking.check(moving_state(), known)
+    assert after.because.reason is Reason.DEVIATED and not actions
+    old = flight()
+    after, actions = checking.check(moving_state(flight=replace(old, taken_s=NOW)), known)
+    assert after.because is BECAUSE, "the prediction is older than the trajectory"
+
+
+def test_a_tracker_that_leads_into_an_obstacle_is_braked_or_far_ahead_gets_a_new_plan():
+    aside = np.array(AHEAD) + [(0.0, min(1.2, 0.1 * i), 0.0) for i in range(40)]
+    near = moving_state(flight=replace(flight(), taken_s=NOW))
+    after, actions = checking.check(near, predicting(aside, seen=view((4.2, 1.4))))
+    assert isinstance(after, Planning) and kinds(actions) == [Hover]
+    assert after.because.reason is Reason.UNSAFE_PREDICTION and "occupied in" in after.because.sentence
+    after, actions = checking.check(near, predicting(aside, seen=view((11.0, 1.8))))
+    assert isinstance(after, Moving) and not actions and after.because.reason is Reason.UNSAFE_PREDICTION
+    assert after.plan_from_s == NOW + CONFIG.retry_interval_s, "the trajectory is new, so a plan has just been made"
+
+
+def test_a_vehicle_that_still_moves_after_its_trajectory_is_checked():
+    over = moving_state(flight=flight(begin_s=NOW - 30.0))
+    assert checking.check(over, facts(seen=view())) == (over, ())
+    after, actions = checking.check(over, facts(seen=view((2.4, 0.0))))
+    assert isinstance(after, Planning) and kinds(actions) == [Hover] and after.because.reason is Reason.BRAKE
+    assert checking.check(over, at_rest(seen=view((2.4, 0.0)))) == (over, ()), "it rests"
+
+
+def test_a_way_of_somebody_else_that_is_not_free_is_told_but_not_stopped():
+    idle = Idle(BECAUSE)
+    after, actions = checking.check(idle, facts(seen=view((4.0, 0.0))))
+    assert isinstance(after, Idle) and not actions and after.danger.reason is Reason.OTHERS_UNSAFE
+    assert after.danger.reason.level is Level.WARN and "occupied in" in after.danger.sentence
+    after, _ = checking.check(after, facts(seen=view()))
+    assert after.danger is None
+    landing = facts(seen=view((4.0, 0.0)), control=Control(False, False, False))
+    assert checking.check(idle, landing) == (idle, ())
+
+
+def turning(seen):
+    """Returns a flight that is about to turn left at (3, 0), seen at 2 m/s, and the facts of it."""
+    line = [(0.4 * i, 0.0, 2.0) for i in range(8)] + [(2.8, 0.4 * i, 2.0) for i in range(1, 8)]
+    turn = replace(flight(), trajectory=voxnav.Trajectory(np.array(line), 0.2))
+    return turn, facts(seen=seen)
+
+
+def test_the_simplest_free_stop_is_taken():
+    turn, known = turning(view())
+    stopping_, hover = stops.stop_for(BECAUSE, turn, known)
+    assert hover.means is Means.HOVER and hover.because is BECAUSE and stopping_.means is Means.HOVER
+
+
+def test_a_stop_follows_the_trajectory_where_straight_ahead_is_blocked():
+    turn, known = turning(view((4.8, 0.0)))
+    fast = facts(position=(2.2, 0.0, 2.0), velocity=(2.6, 0.0, 0.0), seen=known.look())
+    _, hover = stops.stop_for(BECAUSE, turn, fast)
+    assert hover.means is Means.FOLLOW and "along the trajectory" in hover.because.sentence
+    assert np.allclose(hover.trajectory.points[0], (2.2, 0.0, 2.0)) and hover.trajectory.points[-1][1] > 0.5
+    assert stops.best_stop(None, fast).means is not Means.FOLLOW
+
+
+def test_a_stop_climbs_over_a_low_obstacle_that_is_too_near():
+    known = facts(seen=view((5.4, 0.0), height_m=1.6), velocity=(3.0, 0.0, 0.0))
+    _, hover = stops.stop_for(BECAUSE, None, known)
+    assert hover.means is Means.CLIMB and hover.trajectory.points[-1][2] > 3.0
+    _, hover = stops.stop_for(BECAUSE, None, facts(seen=view((5.4, 0.0)), velocity=(3.0, 0.0, 0.0)))
+    assert "no known free way to rest" in hover.because.sentence
+
+
+def test_unknown_space_is_less_dangerous_than_an_obstacle():
+    for state, is_occupied in ((0, False), (2, True)):
+        known = facts(seen=view((2.4, 0.0), state=state))
+        occupied_mps, unsafe_mps = stops.best_stop(None, known).danger
+        assert unsafe_mps > 0.0 and (occupied_mps > 0.0) == is_occupied
+
+
+def test_without_a_map_or_a_recent_place_the_vehicle_hovers():
+    assert stops.stop_for(BECAUSE, flight(), facts())[1].means is Means.HOVER
+    old = facts(seen=view((2.4, 0.0)))
+    old = replace(old, now_s=NOW + 5.0)
+    assert stops.best_stop(flight(), old) is None
+
+
+def test_every_way_to_rest_ends_at_rest_and_keeps_the_limits():
+    rng = np.random.RandomState(3)
+    for _ in range(50):
+        velocity = rng.uniform((-4.0, -4.0, -2.0), (4.0, 4.0, 2.0))
+        known = facts(velocity=velocity)
+        for way in (ways.straight_way(known), ways.climbing_way(known, 3.0, 0.4), ways.climbing_way(known, 1.5, 0.0)):
+            speeds = np.diff(way.points, axis=0) / way.dt_s
+            changes = np.diff(speeds, axis=0) / way.dt_s
+            assert np.linalg.norm(speeds[-1]) < 0.35
+            assert np.hypot(changes[:, 0], changes[:, 1]).max() < 2.0 * CONFIG.deceleration_ratio + 1e-6
+            assert np.abs(changes[:, 2]).max() < 1.0
+        stopped = known.vehicle.position_O + velocity * 0.4
+        free = np.linalg.norm(velocity[:2]) ** 2 / (2.0 * 2.0 * CONFIG.deceleration_ratio)
+        moved = ways.straight_way(known).points[-1] - stopped
+        assert np.hypot(moved[0], moved[1]) == pytest.approx(free, abs=0.05)
+
+
+def test_a_hover_refused_in_motion_escalates_at_once():
+    state = planning_state(hover=OwnHover(BECAUSE, NOW, means=Means.FOLLOW))
+    for means in (Means.HOVER, Means.EHOVER):
+        state, (hover,) = stopping.hover_answered(state, "refused", facts())
+        assert hover.means is means and hover.is_repeat and state.hover.means is means
+    told, _ = stopping.lose(Idle(BECAUSE, GOAL, state.hover), Because(Reason.NO_MAP, "no map"), facts())
+    assert told.because.sentence == "hover: no map; hover fails: refused"
+    state, actions = stopping.hover_answered(state, "refused", facts())
+    assert not actions and "emergency hover fails: refused" in state.because.sentence
+    state, (hover,) = planning.tick(state, facts(NOW + 1.1))
+    assert hover.means is Means.HOVER, "after a pause it begins anew"
+
+
+def test_an_emergency_hover_lasts_until_commands_are_allowed_again():
+    state = planning_state(hover=OwnHover(BECAUSE, NOW, NOW, Means.EHOVER))
+    refusing = Control(is_flying=True, accepts_goals=False, is_tracking=False)
+    after, actions = planning.tick(state, at_rest(NOW + 60.0, control=refusing))
+    assert after.hover is not None and after.goal is not None and not actions
+    after, _ = planning.tick(state, at_rest(NOW + 60.0))
+    assert after.hover is None
+
+
+def test_a_stop_whose_way_is_closed_is_replaced_once():
+    braking = planning_state(hover=OwnHover(BECAUSE, NOW - 0.1, NOW - 0.1))
+    seen = view((5.4, 0.0), height_m=1.6)
+    line = [(1.0 + 0.6 * i, 0.0, 2.0) for i in range(10)]
+    known = predicting(line, velocity=(3.0, 0.0, 0.0), seen=seen)
+    after, (hover,) = checking.check(braking, known)
+    assert hover.means is Means.CLIMB and after.hover.is_second_choice
+    accepted, _ = stopping.hover_answered(after, "", known)
+    assert checking.check(accepted, known) == (accepted, ())
+    assert checking.check(braking, facts(seen=view())) == (braking, ())
+
+
+def generated_line(line, stamp_s=None, dt_s=0.2):
+    return Generated(voxnav.Trajectory(np.array(line, dtype=float), dt_s), stamp_s)
+
+
+LINE = [(0.4 * i, 0.0, 2.0) for i in range(31)]
+
+
+@pytest.mark.parametrize("generated, words", [
+    (generated_line(LINE, NOW - 7.0), "answered 1.0 s too late"),
+    (generated_line([(x, 2.5, z) for x, _, z in LINE]), "begins 2.7 m from the vehicle"),
+    (generated_line(LINE, NOW - 3.0), "begins 5.0 m from the vehicle"),
+    (generated_line(LINE[:-5]), "ends 2.0 m from the place"),
+    (generated_line(LINE[:10] + LINE[15:]), "jumps, at 12.0 m/s")])
+def test_a_generator_that_answers_with_something_else_is_refused_with_a_reason(generated, words):
+    state = planning_state(job=generating())
+    after, actions = flying.generate_done(state, JOB, generated, at_rest(seen=view()))
+    assert not actions and after.because.reason is Reason.GENERATOR_FAILED and words in after.because.sentence
+
+
+def test_the_stamp_of_the_generator_is_published_and_the_flight_begins_then():
+    state = planning_state(job=generating())
+    after, (publish,) = flying.generate_done(state, JOB, generated_line(LINE, NOW - 0.5), facts(seen=view()))
+    assert publish.stamp_s == NOW - 0.5
+    after, _ = flying.publish_done(after, JOB, "", facts(NOW + 0.3))
+    assert after.flight.begin_s == NOW - 0.5 and after.flight.taken_s == NOW + 0.3
+    assert after.flight.arc_m(np.array((1.6, 0.0, 2.0)), NOW + 0.3) == pytest.approx(1.6)
+
+
+def test_only_what_is_not_over_is_checked_and_a_cut_trajectory_begins_now():
+    state = planning_state(job=generating())
+    known = facts(position=(2.0, 0.0, 2.0), seen=view((11.0, 0.0)))
+    _, (publish,) = flying.generate_done(state, JOB, generated_line(LINE, NOW - 1.0), known)
+    assert publish.stamp_s == NOW and np.allclose(publish.trajectory.points[0], (2.0, 0.0, 2.0))
+    behind = facts(position=(2.4, 0.0, 2.0), seen=view((0.0, 0.9)))
+    _, (publish,) = flying.generate_done(state, JOB, generated_line(LINE, NOW - 1.2), behind)
+    assert publish.stamp_s == NOW - 1.2, "an obstacle beside the part that is over does not matter"
+
+
+def test_a_stamp_of_the_future_counts_as_now():
+    _, (publish,) = flying.generate_done(planning_state(job=generating()), JOB, generated_line(LINE, NOW + 9.0),
+                                         at_rest(seen=view()))
+    assert publish.stamp_s == NOW
 
 
 @pytest.mark.parametrize("state", ANY)
 def test_answers_to_jobs_that_no_longer_matter_are_ignored(state):
     assert planning.plan_done(state, JOB + 1, outcome(), facts()) == (state, ())
-    assert flying.generate_done(state, JOB + 1, TRAJECTORY, "", view(), facts()) == (state, ())
+    assert flying.generate_done(state, JOB + 1, GENERATED, facts(seen=view())) == (state, ())
     assert flying.publish_done(state, JOB + 1, "refused", facts()) == (state, ())
 
 
@@ -413,4 +627,5 @@ def test_the_table_names_functions_that_exist():
     assert len(rows) > 20
     for row in rows:
         name = row.split()[-1]
-        assert any(hasattr(module, name) for module in (stopping, planning, flying)) or row.endswith("   "), row
+        modules = (stopping, takeover, planning, flying, checking)
+        assert any(hasattr(module, name) for module in modules) or row.endswith("   "), row

@@ -37,7 +37,8 @@ class FakeUav:
         self.position, self.flown = np.array([0.0, 0.0, 3.0]), None
         self.map_is_alive, self.generator_works = True, threading.Event()
         self.generator_works.set()
-        self.num_hovers, self.sequence = 0, 0
+        self.num_hovers, self.num_ehovers, self.sequence = 0, 0, 0
+        self.accepts_hover, self.stamps = True, []  # stamps of the trajectories that came
         self.frame, self.paths = O, []  # the frame of the vehicle, and the paths that the generator was asked for
         self.grid = voxnav.StateGrid.from_array(np.ones((100, 60, 25), dtype=np.int8), (-8.0, -12.0, 0.0), 0.4)
         pub = rospy.Publisher
@@ -50,6 +51,7 @@ class FakeUav:
         rospy.Service(UAV + "trajectory_generation/get_path", GetPathSrv, self.serve_path)
         rospy.Service(UAV + "control_manager/trajectory_reference", TrajectoryReferenceSrv, self.serve_trajectory)
         rospy.Service(UAV + "control_manager/hover", Trigger, self.serve_hover)
+        rospy.Service(UAV + "control_manager/ehover", Trigger, self.serve_ehover)
         self.serve_map()
         tf = TransformStamped(child_frame_id=W)
         tf.header.frame_id, tf.transform.rotation.w = O, 1.0
@@ -134,6 +136,7 @@ class FakeUav:
                                           for p in request.path.points]
         arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
         out = GetPathSrvResponse(success=True)
+        out.trajectory.header.stamp = rospy.Time.from_sec(now)
         out.trajectory.header.frame_id, out.trajectory.dt = request.path.header.frame_id, 0.2
         for s in np.append(np.arange(0.0, arcs[-1], 0.2 * SPEED * 0.8), arcs[-1]):
             out.trajectory.points.append(reference([np.interp(s, arcs, np.array(line)[:, k]) for k in range(3)], 0.0))
@@ -141,15 +144,29 @@ class FakeUav:
 
     def serve_trajectory(self, request):
         points = np.array([(p.position.x, p.position.y, p.position.z) for p in request.trajectory.points])
+        stamp = request.trajectory.header.stamp
         with self.lock:
-            self.flown = (points, request.trajectory.dt, rospy.Time.now().to_sec())
+            self.stamps.append(stamp)
+            begin = rospy.Time.now() if stamp.is_zero() else stamp
+            self.flown = (points, request.trajectory.dt, begin.to_sec())
         return TrajectoryReferenceSrvResponse(success=True, tracker_names=["MpcTracker"], tracker_successes=[True])
 
     def serve_hover(self, _):
         with self.lock:
             self.num_hovers += 1
-            self.position, self.flown = self.position_at(rospy.Time.now().to_sec()), None
+            if not self.accepts_hover:
+                return TriggerResponse(False, "refused for the test")
+            self.stop()
         return TriggerResponse(True, "")
+
+    def serve_ehover(self, _):
+        with self.lock:
+            self.num_ehovers += 1
+            self.stop()
+        return TriggerResponse(True, "")
+
+    def stop(self):
+        self.position, self.flown = self.position_at(rospy.Time.now().to_sec()), None
 
 
 class PlanningManagerTest(unittest.TestCase):
@@ -192,6 +209,9 @@ class PlanningManagerTest(unittest.TestCase):
         self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
         self.assert_at((10.0, 4.0, 3.0))
         self.assertEqual(self.status.header.frame_id, W)
+        # The trajectory has the generator's stamp, so that the tracker skips what is over when it comes.
+        self.assertTrue(self.uav.stamps)
+        self.assertFalse(any(stamp.is_zero() for stamp in self.uav.stamps))
 
     def test_2_refuses_goals_that_are_none(self):
         self.assertEqual(self.send((float("nan"), 0.0, 3.0), W).message, "goal is not finite")
@@ -208,6 +228,18 @@ class PlanningManagerTest(unittest.TestCase):
         self.uav.map_is_alive = True
         self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
         self.assert_at((-4.0, 0.0, 3.0))
+
+    def test_3b_a_hover_refused_in_motion_becomes_an_emergency_hover(self):
+        self.assertTrue(self.send((10.0, 0.0, 3.0), O).success)
+        self.wait(lambda s: s.state == PlannerStatus.MOVING, 20.0, "moving")
+        self.wait(lambda s: self.uav.position[0] > 0.0, 20.0, "motion")
+        self.uav.accepts_hover, self.uav.map_is_alive = False, False
+        try:
+            self.wait(lambda s: self.uav.num_ehovers == 1, 10.0, "the emergency hover")
+            self.wait(lambda s: "local map lost; hover fails: refused for the test" in s.reason, 5.0, "the reason")
+        finally:
+            self.uav.accepts_hover, self.uav.map_is_alive = True, True
+        self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
 
     def test_4_a_generator_that_hangs_is_named_and_does_not_hang_the_node(self):
         self.uav.generator_works.clear()

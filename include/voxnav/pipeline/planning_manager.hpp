@@ -22,6 +22,8 @@ struct PlanningManagerConfig {
   double corridor_radius_m = 0.7;
   double min_corridor_radius_m = 0.5;
   double trajectory_deviation_m = 0.2;
+  double replan_deviation_m = 1.0;
+  double brake_deviation_m = 3.5;
   double stop_margin_m = 0.4;
   double reaction_time_s = 0.4;
   double deceleration_ratio = 0.7;
@@ -29,6 +31,7 @@ struct PlanningManagerConfig {
   double rest_speed_mps = 0.3;
   double min_progress_m = 1.0;
   double stuck_time_s = 25.0;
+  int max_dead_ends = 20;
   double odometry_timeout_s = 1.0;
   double map_timeout_s = 1.5;
   double correction_timeout_s = 3.0;
@@ -53,6 +56,10 @@ struct PlanningManagerConfig {
       "radius for leaving a place where the full one does not fit: the vehicle's own");
     v("trajectory_deviation_m", &C::trajectory_deviation_m, base::in(0.02, 2.0), "m",
       "how far the generator may leave the waypoints; plans keep this much more room");
+    v("replan_deviation_m", &C::replan_deviation_m, base::in(0.1, 20.0), "m",
+      "a vehicle, or a place that the tracker predicts, farther from the trajectory starts a new plan from there");
+    v("brake_deviation_m", &C::brake_deviation_m, base::in(0.1, 50.0), "m",
+      "a vehicle farther from its trajectory brakes; the mutual avoidance of MRS climbs 3 m");
     v("stop_margin_m", &C::stop_margin_m, base::in(0.0, 5.0), "m",
       "distance before unsafe space at which the vehicle comes to rest");
     v("reaction_time_s", &C::reaction_time_s, base::in(0.0, 5.0), "s", "time until braking takes effect");
@@ -63,7 +70,10 @@ struct PlanningManagerConfig {
     v("rest_speed_mps", &C::rest_speed_mps, base::in(0.01, 2.0), "m/s", "slower counts as at rest");
     v("min_progress_m", &C::min_progress_m, base::in(0.1, 20.0), "m",
       "shorter trajectories are not flown unless they end at the goal; new ones must lead this much nearer to it");
-    v("stuck_time_s", &C::stuck_time_s, base::in(1.0, 600.0), "s", "the goal is given up after this long in one place");
+    v("stuck_time_s", &C::stuck_time_s, base::in(1.0, 600.0), "s",
+      "the goal is given up after this long without a shorter way left to it");
+    v("max_dead_ends", &C::max_dead_ends, base::in(1, 1000), "",
+      "the goal is given up after this many ways that turned out to be closed");
     v("odometry_timeout_s", &C::odometry_timeout_s, seconds, "s", "older odometry is lost");
     v("map_timeout_s", &C::map_timeout_s, seconds, "s", "an older local map is lost");
     v("correction_timeout_s", &C::correction_timeout_s, base::in(0.0, 600.0), "s",

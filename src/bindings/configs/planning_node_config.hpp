@@ -18,6 +18,7 @@ struct PlanningNodeConfig {
   double check_rate_hz = 10.0;
   double status_rate_hz = 5.0;
   double service_timeout_s = 2.0;
+  double hover_timeout_s = 0.5;
   double generator_time_s = 0.3;
   bool keep_goal_over_restart = true;
 
@@ -36,6 +37,8 @@ struct PlanningNodeConfig {
     v("check_rate_hz", &C::check_rate_hz, in(1, 100), "Hz", "rate of the corridor check");
     v("status_rate_hz", &C::status_rate_hz, in(0.1, 50), "Hz", "rate of status and markers");
     v("service_timeout_s", &C::service_timeout_s, in(0.1, 30), "s", "time within which a service must answer");
+    v("hover_timeout_s", &C::hover_timeout_s, in(0.05, 10), "s",
+      "time within which a hover must be answered; then ehover is called");
     v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time requested of the trajectory generator");
     v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
       "a restarted node takes up the goal that it was flying to");

@@ -8,6 +8,9 @@ std::vector<std::string> PlanningManagerConfig::problems() const {
   if (min_corridor_radius_m > corridor_radius_m) {
     out.emplace_back("min_corridor_radius_m must not be above corridor_radius_m");
   }
+  if (replan_deviation_m > brake_deviation_m) {
+    out.emplace_back("replan_deviation_m must not be above brake_deviation_m");
+  }
   return out;
 }
 

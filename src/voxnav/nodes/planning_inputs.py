@@ -14,6 +14,7 @@ from nav_msgs.msg import Odometry
 from voxnav import files
 from voxnav.msg import SubmapPoses
 from voxnav.nodes.planning_feeds import GridFeed, Heartbeats, WaitingGridFeed
+from voxnav.planning_manager.inputs import problem_of_limits
 
 IDENTITY = Transform(rotation=Quaternion(w=1.0))
 
@@ -126,10 +127,12 @@ class PlanningInputs:
         values = [msg.horizontal_speed, msg.horizontal_acceleration, msg.vertical_ascending_speed,
                   msg.vertical_ascending_acceleration, msg.vertical_descending_speed,
                   msg.vertical_descending_acceleration]
-        if not np.isfinite(values).all() or min(values) <= 0.0:
+        problem = problem_of_limits(values)
+        if problem:
             self.num_bad += 1
-            return
-        self.limits = values
+            rospy.logwarn_throttle(5.0, "%s: %s", problem, values)
+        else:
+            self.limits = values
         with self._lock:
             self._manager.set_limits(rospy.Time.now().to_sec(), values)  # the message has no stamp
 

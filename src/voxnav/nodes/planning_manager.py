@@ -32,7 +32,7 @@ class PlanningManagerNode:
         self._planner = voxnav.PathPlanner(planner.planner_config())
         self._field = voxnav.ClearanceField(planner.field_config())  # used by the thinker alone
         self._map = voxnav.NavigationMap(limits)
-        self._manager = PlanningManager(manager, limits.min_altitude_m, limits.max_altitude_m)
+        self._manager = PlanningManager(manager, (limits.min_altitude_m, limits.max_altitude_m), self._map.view)
         self._lock = threading.RLock()  # protects the manager
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
@@ -41,9 +41,10 @@ class PlanningManagerNode:
         self._diagnostics = Diagnostics(NAME)
         self._output = PlanningOutput()
         self._services = ControlServices(node, manager.trajectory_deviation_m, self._seam)
-        # Stopping must not wait behind a search or a generator.
-        self._thinker = self._seam.executor("thinker", self._answer)
-        self._commander = self._seam.executor("commander", self._answer)
+        # Publishing must not wait behind a search or a generator, and stopping behind nothing.
+        thinker = self._seam.executor("thinker", self._answer)
+        self._executors = {Plan: thinker, Generate: thinker, Publish: self._seam.executor("commander", self._answer),
+                           Hover: self._seam.executor("stopper", self._answer)}
         self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._seam)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
@@ -69,9 +70,8 @@ class PlanningManagerNode:
 
     def _check(self):
         with self._diagnostics.time("check"):
-            view = self._map.view()
             with self._lock:
-                actions = self._manager.check(view, self._seam.now().to_sec())
+                actions = self._manager.check(self._seam.now().to_sec())
             self._dispatch(actions)
 
     def _show(self):
@@ -120,10 +120,9 @@ class PlanningManagerNode:
 
     def _dispatch(self, actions):
         for action in actions:
-            is_command = isinstance(action, (Hover, Publish))
-            if is_command:
+            if isinstance(action, (Hover, Publish)):
                 rospy.loginfo("[%s]: %s: %s", NAME, action.name, action.because.sentence)
-            (self._commander if is_command else self._thinker).submit(action)
+            self._executors[type(action)].submit(action)
 
     def _answer(self, action):
         """Executes an action and passes the answer to the manager; a failure becomes a reason."""
@@ -153,19 +152,17 @@ class PlanningManagerNode:
         return lambda now: self._manager.plan_done(action.job, outcome, now)
 
     def _do_generate(self, action):
-        problem, trajectory = self._services.generate(action, self._inputs.odometry_frame,
-                                                      self._seam.now().to_sec())
-        view = self._map.view()
-        return lambda now: self._manager.generate_done(action.job, problem, trajectory, view, now)
+        generated = self._services.generate(action, self._inputs.odometry_frame, self._seam.now().to_sec())
+        return lambda now: self._manager.generate_done(action.job, generated, now)
 
     def _do_publish(self, action):
-        problem = self._services.publish(action.trajectory, self._inputs.odometry_frame)
+        problem = self._services.publish(action.trajectory, action.stamp_s, self._inputs.odometry_frame)
         return lambda now: self._manager.publish_done(action.job, problem, now)
 
     def _do_hover(self, action):
-        problem = self._services.hover()
+        problem = self._services.stop(action, self._inputs.odometry_frame)
         if problem:
-            rospy.logerr_throttle(1.0, "[%s]: cannot hover: %s", NAME, problem)
+            rospy.logerr("[%s]: %s fails: %s", NAME, action.means.value, problem)
         return lambda now: self._manager.hover_done(problem, now)
 
     # The goal is stored on the parameter server, so that a restarted node continues the flight

@@ -11,6 +11,8 @@ from mrs_msgs.srv import GetPathSrv, GetPathSrvRequest, TrajectoryReferenceSrv, 
 from std_srvs.srv import Trigger, TriggerRequest
 
 import voxnav
+from voxnav.nodes.time_seam import exact_time
+from voxnav.planning_manager import Generated, Means
 
 # rospy offers no timeout for calls, so a call that hangs keeps its thread. No more threads than this are started.
 MAX_HANGING_CALLS = 3
@@ -76,28 +78,33 @@ class ControlServices:
         timeout_s = config.service_timeout_s
         self._get_path = TimedService("~get_path_out", GetPathSrv, timeout_s + config.generator_time_s, seam)
         self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s, seam)
-        self._hover = TimedService("~hover_out", Trigger, timeout_s, seam)
+        self._hover = TimedService("~hover_out", Trigger, config.hover_timeout_s, seam)
+        self._ehover = TimedService("~ehover_out", Trigger, config.hover_timeout_s, seam)
+        # A trajectory to rest must not wait behind another one, nor as long.
+        self._rest = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, config.hover_timeout_s, seam)
         self._input_id = 0
         self._generated, self._headings = None, []  # last answer of the generator, if headings were requested
 
     def generate(self, action, frame, now_s):
-        """Generates a trajectory through the waypoints of an action. Returns (problem, voxnav.Trajectory or None)."""
+        """Generates a trajectory through the waypoints of an action. Returns Generated, or a problem as text."""
         try:
             response = self._get_path.call(GetPathSrvRequest(path=self._path(action, frame, now_s)))
         except ServiceError as error:
-            return str(error), None
+            return str(error)
         answered = response.trajectory
         if not response.success:
-            return response.message or "refused without a reason", None
+            return response.message or "refused without a reason"
         if answered.header.frame_id not in ("", frame):
-            return "answers in frame %s, not %s" % (answered.header.frame_id, frame), None
+            return "answers in frame %s, not %s" % (answered.header.frame_id, frame)
         points = np.array([(p.position.x, p.position.y, p.position.z) for p in answered.points]).reshape(-1, 3)
         self._generated = points if answered.use_heading and action.heading_rad is not None else None
         self._headings = [p.heading for p in answered.points]
         try:
-            return "", voxnav.Trajectory(points, answered.dt if answered.dt > 1e-4 else DEFAULT_DT_S)
+            trajectory = voxnav.Trajectory(points, answered.dt if answered.dt > 1e-4 else DEFAULT_DT_S)
         except ValueError as error:
-            return str(error), None
+            return str(error)
+        stamp = answered.header.stamp
+        return Generated(trajectory, None if stamp.is_zero() else stamp.to_sec())
 
     def _path(self, action, frame, now_s):
         path = Path(fly_now=False, max_execution_time=self._config.generator_time_s,
@@ -114,17 +121,36 @@ class ControlServices:
         path.relax_heading = not path.use_heading
         return path
 
-    def publish(self, trajectory, frame):
-        """Publishes a voxnav.Trajectory to be flown at once; if it was cut, in the present heading."""
+    def publish(self, trajectory, stamp_s, frame):
+        """Publishes a voxnav.Trajectory to be flown at once; if it was cut, in the present heading.
+
+        stamp_s: time of its first point, so that the tracker skips what is over by now; None: the present time
+        """
+        return self._fly(self._trajectory, trajectory, stamp_s, frame)
+
+    def stop(self, action, frame):
+        """Stops the vehicle by the means of a Hover."""
+        if action.trajectory is not None:
+            return self._fly(self._rest, action.trajectory, None, frame)
+        service = self._ehover if action.means is Means.EHOVER else self._hover
+        try:
+            response = service.call(TriggerRequest())
+        except ServiceError as error:
+            return str(error)
+        return "" if response.success else (response.message or "refused without a reason")
+
+    def _fly(self, service, trajectory, stamp_s, frame):
         self._input_id += 1
         message = TrajectoryReference(input_id=self._input_id, fly_now=True, dt=trajectory.dt_s)
         message.header.frame_id = frame
+        if stamp_s is not None:
+            message.header.stamp = exact_time(stamp_s)
         points = trajectory.points
         message.use_heading = self._generated is not None and np.array_equal(points, self._generated)
         headings = self._headings if message.use_heading else np.zeros(len(points))
         message.points = [reference(p, heading) for p, heading in zip(points, headings)]
         try:
-            response = self._trajectory.call(TrajectoryReferenceSrvRequest(trajectory=message))
+            response = service.call(TrajectoryReferenceSrvRequest(trajectory=message))
         except ServiceError as error:
             return str(error)
         if not response.success:
@@ -133,13 +159,6 @@ class ControlServices:
         if response.tracker_successes and not response.tracker_successes[0]:
             return "tracker: " + (response.tracker_messages[0] if response.tracker_messages else "refused")
         return ""
-
-    def hover(self):
-        try:
-            response = self._hover.call(TriggerRequest())
-        except ServiceError as error:
-            return str(error)
-        return "" if response.success else (response.message or "hover refused")
 
 
 def reference(point, heading_rad):

@@ -3,7 +3,7 @@
 
 There are three states (states.py), each with its own data. Every transition is a function of the state, the time and
 the event, and returns the next state and the actions to be done (actions.py). C++ does what must be fast or exact: the
-search and the cut of its path (run_plan_job), corridors and stops (safe_part), trajectories.
+search and the cut of its path (run_plan_job), corridors (check_corridor, safe_part), trajectories.
 
 =========  =======================================  ========================  ======================  ================
 from       what happens                             to                        actions                 function
@@ -13,10 +13,14 @@ any        stop is commanded                        Idle, goal dropped        Ho
 any        tick: somebody else hovers, lands, or    Idle, goal dropped                                drop_goal
            commands the vehicle
 any        tick: a hover is not accepted yet        as it was                 Hover again each 1 s    repeat_hover
-any        the hover is accepted or refused         as it was                                         hover_answered
-any        tick: an input is missing                Idle, goal kept           Hover if in motion      lose
+any        a hover is refused in motion             as it was                 Hover, stronger means   hover_answered
+any        a hover is accepted, or refused at rest  as it was                                         hover_answered
+any        a trajectory is taken after a hover      as it was                 Hover again             hover_again
+any        tick: an input is missing or absurd      Idle, goal kept           Hover if in motion      lose
 any        tick: the clock jumped back              Idle, goal kept           Hover if in motion      jump_clock
 Idle       tick: nothing is missing, goal kept      Planning                  Plan                    resume
+Idle       check: somebody else flies where it is   Idle, with a warning                              check_others
+           not known free
 P, M       the odometry frame jumped, in motion     Planning                  Hover                   jump_frame
 P, M       the odometry frame jumped, at rest       as it was, job dropped                            jump_frame
 P, M       tick: at rest at the goal                Idle, goal reached                                arrival
@@ -28,25 +32,38 @@ P, M       a search ends, not worth flying          as it was                   
 P, M       a search ends without a way              M if flown, else P                                fail
 P, M       a search ends beside a blocked goal      Idle, goal dropped        Hover                   stop
 P, M       a trajectory is generated and safe       as it was                 Publish                 generate_done
-P, M       no trajectory, or an unsafe one          M if flown, else P                                fail
+P, M       no trajectory, a late or another one     M if flown, else P                                fail
+           than was asked for, or an unsafe one
 P, M       the tracker takes the trajectory         Moving                                            publish_done
 P, M       the tracker refuses it                   M if flown, else P                                fail
 Planning   the tracker takes a shortened one        Planning                                          publish_done
 Planning   the tracker refuses a shortened one      Planning                  Hover                   brake
 P, M       a trajectory is taken that nobody        Planning                  Hover                   brake
            waits for any more
-P, M       check: the corridor is not known free    Planning                  Publish, shortened      check
+P, M       check: the corridor is not known free    Planning                  Publish, shortened      check_flight
 P, M       check: and there is no room to stop,     Planning                  Hover                   brake
            or shortening has not come in time
+P, M       check: far from the trajectory, or the   as it was, a plan is due                          plan_anew
+           tracker leads away from it, or into
+           what is not known free far ahead
+P, M       check: farther from the trajectory, or   Planning                  Hover                   brake
+           the tracker leads there near by
+P, M       check: without a trajectory, in motion   Planning                  Hover                   check_rest
+           towards what is not known free
+any        check: the way of an accepted hover is   as it was                 Hover, other means      check_stop
+           not free, and another one is better
 =========  =======================================  ========================  ======================  ================
+
+Hover stands for the least dangerous of the ways to rest (stops.py): straight ahead, along the trajectory, or climbing.
 
 P is Planning, M is Moving. All other events, and answers to jobs that no longer matter, leave the state as it is.
 """
 
-from voxnav.planning_manager.actions import Action, Generate, Hover, Plan, Publish
+from voxnav.planning_manager.actions import Action, Generate, Hover, Means, Plan, Publish
+from voxnav.planning_manager.generated import Generated
 from voxnav.planning_manager.manager import PlanningManager
 from voxnav.planning_manager.reasons import Because, Level, Reason
 from voxnav.planning_manager.states import Idle, Moving, Planning
 
-__all__ = ["Action", "Because", "Generate", "Hover", "Idle", "Level", "Moving", "Plan", "Planning", "PlanningManager",
-           "Publish", "Reason"]
+__all__ = ["Action", "Because", "Generate", "Generated", "Hover", "Idle", "Level", "Means", "Moving", "Plan",
+           "Planning", "PlanningManager", "Publish", "Reason"]

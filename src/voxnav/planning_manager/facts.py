@@ -2,8 +2,8 @@
 """The arguments of a transition beside the state: the time, the inputs, the configuration."""
 
 import math
-from dataclasses import dataclass
-from typing import Any, Optional, Tuple, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -23,13 +23,15 @@ GOAL_SHIFT_M = 0.3
 class Facts:
     """The arguments of a transition. job: number for a job that begins now.
 
-    Reading an input that is missing raises LookupError.
+    look returns the newest map as voxnav.OccupancyView, or None if there is none to check against. Reading an input
+    that is missing raises LookupError.
     """
 
     now_s: float
     inputs: Inputs
     config: Any  # voxnav.PlanningManagerConfig
     job: int
+    look: Callable[[], Any]
 
     @property
     def vehicle(self) -> Vehicle:
@@ -40,12 +42,28 @@ class Facts:
         return _there(self.inputs.limits)
 
     @property
+    def is_vehicle_known(self) -> bool:
+        """Returns True if the vehicle's place and what it may do are known, and recent."""
+        vehicle, limits = self.inputs.vehicle, self.inputs.limits
+        if vehicle is None or limits is None:
+            return False
+        return bool(self.now_s - vehicle.stamp_s <= self.config.odometry_timeout_s)
+
+    @property
+    def is_in_motion(self) -> bool:
+        return bool(self.vehicle.speed_mps > self.config.rest_speed_mps)
+
+    @property
     def control(self) -> Optional[Timed[Control]]:
         """The diagnostics of the control manager; None if there are none, or only old ones."""
         control = self.inputs.control
         if control is None or self.now_s - control.stamp_s > self.config.diagnostics_timeout_s:
             return None
         return control
+
+    def blind(self) -> "Facts":
+        """Returns these facts without a map, for when the map is in another frame than the vehicle."""
+        return replace(self, look=_no_map)
 
     def missing(self) -> Optional[Because]:
         return self.inputs.missing(self.now_s, self.config)
@@ -78,3 +96,7 @@ def _there(timed: Optional[Timed[T]]) -> T:
     if timed is None:
         raise LookupError("an input that a transition needs has not come yet")
     return timed.value
+
+
+def _no_map() -> None:
+    return None

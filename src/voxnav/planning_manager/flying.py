@@ -1,68 +1,55 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Transitions around the flown trajectory: it is verified, published, checked and shortened."""
+"""Transitions of a new trajectory: it is verified, published, and taken by the tracker."""
 
 from dataclasses import replace
-from typing import Any, Optional
+from typing import Any, Union
 
-from voxnav._core import PlanStatus, SafePart, Trajectory, explain, safe_part
+from voxnav._core import PlanOutcome, PlanStatus, SafePart, Trajectory, explain, safe_part
 from voxnav.planning_manager.actions import Publish
 from voxnav.planning_manager.facts import Facts, Step
+from voxnav.planning_manager.generated import Generated, fault_of
 from voxnav.planning_manager.planning import fail, moving
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import (Active, Flight, Generating, Idle, Leads, Planning, Publishing, State)
-from voxnav.planning_manager.stopping import brake, own_hover
+from voxnav.planning_manager.states import Active, Flight, Generating, Idle, Leads, Publishing, State, own_hover
+from voxnav.planning_manager.stopping import brake, hover_again
 
 NO_MAP = "no map to check against"
 
 
-def check(state: State, view: Any, facts: Facts) -> Step:
-    """Checks that the corridor of the flown trajectory is known to be free; else shortens the flight, or brakes.
-
-    view: voxnav.OccupancyView; None counts as unsafe
-    """
-    if isinstance(state, Idle) or facts.inputs.vehicle is None or facts.inputs.limits is None:
-        return state, ()
-    stopping = own_hover(state)
-    flight = facts.flown(state.flight)
-    if flight is None or (stopping is not None and stopping.accepted_s is None):
-        return state, ()
-    is_shortening = isinstance(state.job, Publishing) and state.job.is_shortening
-    if is_shortening and state.job is not None and facts.now_s - state.job.begin_s < facts.config.reaction_time_s:
-        return state, ()  # a shortened trajectory is on its way to the tracker
-    arc_m = flight.arc_m(facts.vehicle.position_O, facts.now_s)
-    part = _safe_part(flight.trajectory, arc_m, flight.leads.radius_m, view, facts)
-    problem = NO_MAP if part is None else part.problem
-    if not problem:
-        return state, ()
-    if part is None or part.trajectory is None or is_shortening:
-        return brake(state, Because(Reason.BRAKE, "brake: " + problem), facts)
-    because = Because(Reason.SHORTENED, "shortened: " + problem)
-    shortened = Planning(because, state.goal, facts.now_s, None, flight, state.progress)
-    return _publish(shortened, part.trajectory, Leads(flight.leads.radius_m, False, None), because, facts)
-
-
-def generate_done(state: State, number: int, trajectory: Optional[Trajectory], problem: str, view: Any,
-                  facts: Facts) -> Step:
+def generate_done(state: State, number: int, generated: Union[Generated, str], facts: Facts) -> Step:
     """Verifies the generated trajectory itself, and publishes its safe part.
 
-    trajectory: None where there is a problem; view: None counts as unsafe
+    generated: the trajectory, or why there is none
     """
     if isinstance(state, Idle) or not isinstance(state.job, Generating) or state.job.job != number:
         return state, ()
     outcome = state.job.outcome
-    if problem or trajectory is None:
-        sentence = "trajectory generator: " + (problem or "empty trajectory")
-        return fail(state, Because(Reason.GENERATOR_FAILED, sentence), facts), ()
-    part = _safe_part(trajectory, 0.0, outcome.corridor_radius_m, view, facts)
-    unsafe = NO_MAP if part is None else part.problem
-    safe = None if part is None else part.trajectory
-    if safe is None or (unsafe and safe.length_m < facts.config.min_progress_m):
-        return fail(state, Because(Reason.GENERATOR_FAILED, "generated trajectory is " + unsafe), facts), ()
-    left_m = outcome.left_m + (trajectory.length_m - safe.length_m if unsafe else 0.0)
-    leads = Leads(outcome.corridor_radius_m, outcome.is_to_goal and not unsafe, left_m)
+    problem = generated if isinstance(generated, str) else fault_of(generated, outcome, facts)
+    if problem or isinstance(generated, str):
+        return fail(state, Because(Reason.GENERATOR_FAILED, "trajectory generator: " + problem), facts), ()
+    view = facts.look()
+    if view is None:
+        return fail(state, Because(Reason.GENERATOR_FAILED, "generated trajectory: " + NO_MAP), facts), ()
+    # What lies in the past is skipped by the tracker.
+    begin_arc_m = generated.arc_m(facts.now_s)
+    part = safe_part_of(generated.trajectory, begin_arc_m, outcome.corridor_radius_m, view, facts)
+    if part.trajectory is None or (part.problem and part.trajectory.length_m < facts.config.min_progress_m):
+        return fail(state, Because(Reason.GENERATOR_FAILED, "generated trajectory is " + part.problem), facts), ()
+    stamp_s = facts.now_s if part.problem and generated.stamp_s is not None else generated.begin_s(facts.now_s)
+    leads = _leads(outcome, generated.trajectory.length_m - begin_arc_m - part.trajectory.length_m, bool(part.problem))
+    because = _moving_because(outcome, leads)
+    return publish(state, Publishing(facts.job, facts.now_s, part.trajectory, stamp_s, leads, because, False))
+
+
+def _leads(outcome: PlanOutcome, cut_m: float, is_cut: bool) -> Leads:
+    left_m = outcome.left_m + (cut_m if is_cut else 0.0)
+    return Leads(outcome.corridor_radius_m, outcome.is_to_goal and not is_cut, left_m)
+
+
+def _moving_because(outcome: PlanOutcome, leads: Leads) -> Because:
     sentence = "moving to the goal" if leads.is_to_goal else "moving towards the goal"
     doubt = "" if outcome.status == PlanStatus.COMPLETE else ": " + explain(outcome.status)
-    return _publish(state, safe, leads, Because(Reason.MOVING, sentence + doubt), facts)
+    return Because(Reason.MOVING, sentence + doubt)
 
 
 def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
@@ -75,30 +62,27 @@ def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
         return brake(state, because, facts)
     if problem:
         return fail(state, Because(Reason.TRAJECTORY_REFUSED, "trajectory refused: " + problem), facts), ()
-    flight = Flight(job.trajectory, facts.now_s, job.leads, facts.goal_O(state.goal), job.begin_s)
+    begin_s = facts.now_s if job.stamp_s is None else job.stamp_s
+    flight = Flight(job.trajectory, begin_s, job.leads, facts.goal_O(state.goal), job.begin_s, facts.now_s)
     if job.is_shortening:
         return replace(state, job=None, flight=flight, plan_from_s=facts.now_s), ()
-    from_s = facts.now_s + facts.config.replan_interval_s
-    return moving(state, job.because, flight, from_s), ()
+    return moving(state, job.because, flight, facts.now_s + facts.config.replan_interval_s), ()
+
+
+def publish(state: Active, job: Publishing) -> Step:
+    """Hands a trajectory to the tracker."""
+    action = Publish(job.job, job.trajectory, job.stamp_s, job.because, job.is_shortening)
+    return replace(state, job=job), (action,)
+
+
+def safe_part_of(trajectory: Trajectory, from_arc_m: float, radius_m: float, view: Any, facts: Facts) -> SafePart:
+    return safe_part(facts.config, view, trajectory, from_arc_m, radius_m, facts.vehicle.velocity_O, facts.limits)
 
 
 def _late(state: State, problem: str, facts: Facts) -> Step:
     """Stops a trajectory that the tracker took although the state no longer waits for it."""
-    if problem or isinstance(state, Idle) or isinstance(state.job, Publishing) or own_hover(state) is not None:
+    if problem or not isinstance(state, Idle) and isinstance(state.job, Publishing):
         return state, ()
-    because = Because(Reason.BRAKE, "brake: a trajectory was accepted too late")
-    return brake(state, because, facts)
-
-
-def _publish(state: Active, trajectory: Trajectory, leads: Leads, because: Because, facts: Facts) -> Step:
-    is_shortening = because.reason is Reason.SHORTENED
-    job = Publishing(facts.job, facts.now_s, trajectory, leads, because, is_shortening)
-    return replace(state, job=job), (Publish(facts.job, trajectory, because, is_shortening),)
-
-
-def _safe_part(trajectory: Trajectory, from_arc_m: float, radius_m: float, view: Any,
-               facts: Facts) -> Optional[SafePart]:
-    """Returns the safe part of a trajectory; None without a map."""
-    if view is None:
-        return None
-    return safe_part(facts.config, view, trajectory, from_arc_m, radius_m, facts.vehicle.velocity_O, facts.limits)
+    if isinstance(state, Idle) or own_hover(state) is not None:
+        return hover_again(state, facts)
+    return brake(state, Because(Reason.BRAKE, "brake: a trajectory was accepted too late"), facts)

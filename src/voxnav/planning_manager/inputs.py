@@ -10,6 +10,12 @@ from voxnav.array_types import Array
 from voxnav.planning_manager.reasons import Because, Reason
 
 T = TypeVar("T")
+# Stamps that are this much newer than now come from another clock, so that their age tells nothing.
+FUTURE_S = 1.0
+# Limits of speed [m/s] and acceleration [m/s^2] outside this range are no limits of a UAV.
+LEAST_LIMIT, GREATEST_LIMIT = 0.05, 100.0
+# A vehicle that is this far from where its velocity leads it within this time has not moved there.
+JUMP_M, JUMP_TIME_S = 1.0, 0.5
 # Speed and acceleration, each horizontal, ascending and descending, in pairs [m/s, m/s^2].
 Limits = Tuple[float, float, float, float, float, float]
 
@@ -32,17 +38,32 @@ class Vehicle:
         return float(np.linalg.norm(self.velocity_O))
 
 
+def jump_m(before: Optional[Timed[Vehicle]], now: Timed[Vehicle]) -> float:
+    """Returns how far a vehicle has jumped between two messages; zero if it can have flown there, or in long gaps."""
+    if before is None or not 0.0 < now.stamp_s - before.stamp_s <= JUMP_TIME_S:
+        return 0.0
+    velocity = 0.5 * (before.value.velocity_O + now.value.velocity_O)
+    flown = velocity * (now.stamp_s - before.stamp_s)
+    gap_m = float(np.linalg.norm(now.value.position_O - before.value.position_O - flown))
+    return gap_m if gap_m > JUMP_M else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The tracker's prediction: rising times [s] and positions (n, 3) in O."""
+    """The tracker's prediction: rising times [s] and positions (n, 3) in O, both finite."""
 
-    times_s: Sequence[float]
+    times_s: Array
     positions_O: Array
+
+    @property
+    def is_usable(self) -> bool:
+        """Returns False for arrays that are no prediction."""
+        is_fitting = self.times_s.ndim == 1 and self.positions_O.shape == (len(self.times_s), 3)
+        return bool(is_fitting and len(self.times_s) > 0 and np.isfinite(self.times_s).all()
+                    and np.isfinite(self.positions_O).all() and (np.diff(self.times_s) > 0.0).all())
 
     def at(self, time_s: float) -> Optional[Array]:
         """Returns the position at a time; None outside the predicted time."""
-        if len(self.times_s) == 0 or len(self.times_s) != len(self.positions_O):
-            return None
         if not self.times_s[0] <= time_s <= self.times_s[-1]:
             return None
         return np.array([np.interp(time_s, self.times_s, self.positions_O[:, axis]) for axis in range(3)])
@@ -76,7 +97,8 @@ class Inputs:
     vehicle: Optional[Timed[Vehicle]] = None
     prediction: Optional[Timed[Prediction]] = None
     control: Optional[Timed[Control]] = None
-    limits: Optional[Timed[Limits]] = None
+    limits: Optional[Timed[Limits]] = None  # the newest usable ones, by which the vehicle brakes
+    limits_problem: str = ""  # why the newest ones cannot be used; '' if they can
     T_W_O: Optional[Timed[Array]] = None
     map_stamp_s: Optional[float] = None
     frames: Frames = Frames()
@@ -101,9 +123,9 @@ class Inputs:
                 or self._missing_map(now_s, config))
 
     def _missing_vehicle(self, now_s: float, config: Any) -> Optional[Because]:
-        old = (_missing(self.vehicle, Reason.NO_ODOMETRY, "odometry", now_s - config.odometry_timeout_s)
-               or _missing(self.control, Reason.NO_DIAGNOSTICS, "control manager diagnostics",
-                           now_s - config.diagnostics_timeout_s))
+        old = (_missing(self.vehicle, Reason.NO_ODOMETRY, "odometry", now_s, config.odometry_timeout_s)
+               or _missing(self.control, Reason.NO_DIAGNOSTICS, "control manager diagnostics", now_s,
+                           config.diagnostics_timeout_s))
         if old is not None or self.control is None:
             return old
         if not self.control.value.is_flying:
@@ -113,33 +135,44 @@ class Inputs:
         return None
 
     def _missing_limits(self, now_s: float, config: Any) -> Optional[Because]:
-        old = _missing(self.limits, Reason.NO_CONSTRAINTS, "constraints", now_s - config.constraints_timeout_s)
-        if old is not None or self.limits is None:
-            return old
-        if not (np.isfinite(self.limits.value).all() and min(self.limits.value) > 0.0):
-            return Because(Reason.NO_CONSTRAINTS, "constraints are not positive")
-        return _missing(self.prediction, Reason.NO_PREDICTION, "tracker prediction", now_s - config.tracker_timeout_s)
+        if self.limits_problem:
+            return Because(Reason.NO_CONSTRAINTS, self.limits_problem)
+        return (_missing(self.limits, Reason.NO_CONSTRAINTS, "constraints", now_s, config.constraints_timeout_s)
+                or _missing(self.prediction, Reason.NO_PREDICTION, "tracker prediction", now_s,
+                            config.tracker_timeout_s))
 
     def _missing_map(self, now_s: float, config: Any) -> Optional[Because]:
         grid = None if self.map_stamp_s is None else Timed(self.map_stamp_s, None)
-        old = _missing(grid, Reason.NO_MAP, "local map", now_s - config.map_timeout_s)
+        old = _missing(grid, Reason.NO_MAP, "local map", now_s, config.map_timeout_s)
         if old is not None:
             return old
         if None not in (self.frames.map, self.frames.odometry) and self.frames.map != self.frames.odometry:
             return Because(Reason.FRAMES_DIFFER, "the local map is in frame %s, the vehicle in %s" % (
                 self.frames.map, self.frames.odometry))
-        oldest_s = now_s - config.correction_timeout_s if config.correction_timeout_s > 0.0 else None
-        old = _missing(self.T_W_O, Reason.NO_CORRECTION, "map correction", oldest_s)
+        timeout_s = config.correction_timeout_s if config.correction_timeout_s > 0.0 else None
+        old = _missing(self.T_W_O, Reason.NO_CORRECTION, "map correction", now_s, timeout_s)
         if old is not None:
             return old
         return Because(Reason.NODE_LOST, min(self.lost_nodes) + " is not running") if self.lost_nodes else None
 
 
-def _missing(value: Optional[Timed[T]], reason: Reason, what: str, oldest_s: Optional[float]) -> Optional[Because]:
-    """Tells what is wrong with one input; None if nothing is. oldest_s: None if its age does not matter."""
+def problem_of_limits(values: Sequence[float]) -> str:
+    """Tells why limits are no limits of a UAV; '' if they may be."""
+    if not np.isfinite(values).all():
+        return "constraints are not finite"
+    if not (LEAST_LIMIT <= min(values) and max(values) <= GREATEST_LIMIT):
+        return "constraints are not between %g and %g" % (LEAST_LIMIT, GREATEST_LIMIT)
+    return ""
+
+
+def _missing(value: Optional[Timed[T]], reason: Reason, what: str, now_s: float,
+             timeout_s: Optional[float]) -> Optional[Because]:
+    """Tells what is wrong with one input; None if nothing is. timeout_s: None if its age does not matter."""
     if value is None:
         return Because(reason, "no %s yet" % what)
-    # The sentence does not tell the age, which would give a new text on every tick.
-    if oldest_s is not None and value.stamp_s < oldest_s:
+    # The sentences do not tell the age, which would give a new text on every tick.
+    if timeout_s is not None and value.stamp_s < now_s - timeout_s:
         return Because(reason, what + " lost")
+    if value.stamp_s > now_s + FUTURE_S:
+        return Because(reason, what + " is stamped in the future")
     return None

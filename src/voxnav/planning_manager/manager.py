@@ -2,18 +2,20 @@
 """The object around the transitions, which holds the state, the inputs and the counters."""
 
 from dataclasses import replace
-from typing import Any, Iterable, List, Optional, Sequence
+from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from voxnav._core import PlanOutcome, Trajectory
+from voxnav._core import PlanOutcome
 from voxnav.array_types import Array
-from voxnav.planning_manager import flying, planning, stopping
+from voxnav.planning_manager import checking, flying, planning, stopping
 from voxnav.planning_manager.actions import Action, Hover, Plan, Publish
 from voxnav.planning_manager.facts import Facts, Step
-from voxnav.planning_manager.inputs import Control, Frames, Inputs, Limits, Prediction, Timed, Vehicle
+from voxnav.planning_manager.generated import Generated
+from voxnav.planning_manager.inputs import (Control, Frames, Inputs, Limits, Prediction, Timed, Vehicle, jump_m,
+                                            problem_of_limits)
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import Goal, Idle, Moving, Planning, State
+from voxnav.planning_manager.states import Goal, Idle, Moving, Planning, State, flight_of
 from voxnav.planning_manager.status import Status
 
 MAX_GOAL_DISTANCE_M = 1e5
@@ -33,32 +35,45 @@ class PlanningManager:
     Source: docs/architecture.md, "From a goal to a trajectory"; formulas in docs/maths/planning.md.
     """
 
-    def __init__(self, config: Any, min_altitude_m: float, max_altitude_m: float) -> None:
-        """Starts in Idle. config: voxnav.PlanningManagerConfig; goals outside the altitudes (frame W) are refused."""
-        self._config, self._altitudes_m = config, (min_altitude_m, max_altitude_m)
+    def __init__(self, config: Any, altitudes_m: Tuple[float, float], look: Callable[[], Any]) -> None:
+        """Starts in Idle.
+
+        config: voxnav.PlanningManagerConfig; altitudes_m: lowest and highest one of goals, frame W; look: returns the
+        newest map as voxnav.OccupancyView, None if there is none, which counts as unsafe
+        """
+        self._config, self._altitudes_m, self._look = config, altitudes_m, look
         self._state: State = Idle(Because(Reason.NO_GOAL, "no goal"))
         self._inputs = Inputs()
         self._last_now_s: Optional[float] = None
-        self._num_jobs = 0
+        self._num_jobs, self._jump_m = 0, 0.0
         self._status = Status()
 
     # Inputs: vehicle and maps.
 
     def set_vehicle(self, stamp_s: float, position_O: Sequence[float], velocity_O: Sequence[float]) -> None:
-        vehicle = Vehicle(np.asarray(position_O, dtype=float), np.asarray(velocity_O, dtype=float))
-        self._inputs = replace(self._inputs, vehicle=Timed(stamp_s, vehicle))
+        """Sets the vehicle's state, which must be finite; a jump is handled on the next tick."""
+        timed = Timed(stamp_s, Vehicle(np.asarray(position_O, dtype=float), np.asarray(velocity_O, dtype=float)))
+        self._jump_m = max(self._jump_m, jump_m(self._inputs.vehicle, timed))
+        self._inputs = replace(self._inputs, vehicle=timed)
 
     def set_prediction(self, stamp_s: float, times_s: Sequence[float], positions_O: Array) -> None:
-        """Sets the tracker's prediction. positions_O: (n, 3)."""
-        self._inputs = replace(self._inputs, prediction=Timed(stamp_s, Prediction(times_s, positions_O)))
+        """Sets the tracker's prediction; one that is not usable counts as lost. positions_O: (n, 3)."""
+        prediction = Prediction(np.asarray(times_s, dtype=float), np.asarray(positions_O, dtype=float))
+        if prediction.is_usable:
+            self._inputs = replace(self._inputs, prediction=Timed(stamp_s, prediction))
 
     def set_control(self, stamp_s: float, is_flying: bool, accepts_goals: bool, is_tracking: bool = False) -> None:
         control = Control(is_flying, accepts_goals, is_tracking)
         self._inputs = replace(self._inputs, control=Timed(stamp_s, control))
 
     def set_limits(self, stamp_s: float, values: Limits) -> None:
-        """Sets the limits of the vehicle: pairs of speed and acceleration, horizontal, ascending, descending."""
-        self._inputs = replace(self._inputs, limits=Timed(stamp_s, values))
+        """Sets the limits of the vehicle: pairs of speed and acceleration, horizontal, ascending, descending.
+
+        Limits that cannot be those of a UAV stop the flight, which brakes by the last usable ones.
+        """
+        problem = problem_of_limits(values)
+        limits = self._inputs.limits if problem else Timed(stamp_s, values)
+        self._inputs = replace(self._inputs, limits=limits, limits_problem=problem)
 
     def set_T_W_O(self, stamp_s: float, T_W_O: Array) -> None:
         """Sets the map correction. T_W_O: (4, 4)."""
@@ -94,7 +109,7 @@ class PlanningManager:
 
     def stop(self, sentence: str, now_s: float) -> List[Action]:
         """Drops the goal and hovers."""
-        return self._take(stopping.stop(Because(Reason.STOPPED, sentence), self._facts(now_s)))
+        return self._take(stopping.stop(self._state, Because(Reason.STOPPED, sentence), self._facts(now_s)))
 
     # Events: time has passed, or a job has ended.
 
@@ -109,11 +124,14 @@ class PlanningManager:
         if has_jumped:
             self._inputs = Inputs()
             return self._take(stopping.jump_clock(self._state, self._facts(now_s)))
+        if self._jump_m > 0.0:
+            sentence, self._jump_m = "odometry jumped by %.1f m" % self._jump_m, 0.0
+            return self.frame_jumped(sentence, now_s)
         return self._take(planning.tick(self._state, self._facts(now_s)))
 
-    def check(self, view: Any, now_s: float) -> List[Action]:
-        """Checks the corridor; to be called at 10 Hz. view: voxnav.OccupancyView; None counts as unsafe."""
-        return self._take(flying.check(self._state, view, self._facts(now_s)))
+    def check(self, now_s: float) -> List[Action]:
+        """Checks whatever the vehicle flies; to be called at 10 Hz."""
+        return self._take(checking.check(self._state, self._facts(now_s)))
 
     def is_wanted(self, action: Action) -> bool:
         """Returns False for a job that no longer matters and need not be started."""
@@ -124,10 +142,9 @@ class PlanningManager:
             self._status.note_search(outcome.plan)
         return self._take(planning.plan_done(self._state, job, outcome, self._facts(now_s)))
 
-    def generate_done(self, job: int, problem: str, trajectory: Optional[Trajectory], view: Any,
-                      now_s: float) -> List[Action]:
-        """Takes the generator's answer. problem: '' on success; view: map for verification, None counts as unsafe."""
-        return self._take(flying.generate_done(self._state, job, trajectory, problem, view, self._facts(now_s)))
+    def generate_done(self, job: int, generated: Union[Generated, str], now_s: float) -> List[Action]:
+        """Takes the generator's answer: a trajectory, or why there is none."""
+        return self._take(flying.generate_done(self._state, job, generated, self._facts(now_s)))
 
     def publish_done(self, job: int, problem: str, now_s: float) -> List[Action]:
         if self._is_current(job) and not problem:
@@ -140,21 +157,26 @@ class PlanningManager:
     # Outputs.
 
     @property
+    def inputs(self) -> Inputs:
+        return self._inputs
+
+    @property
     def status(self) -> Status:
         state, goal = self._state, self._state.goal
-        return replace(self._status, state=_NUMBERS[type(state)], because=state.because,
+        because = state.danger if isinstance(state, Idle) and state.danger is not None else state.because
+        return replace(self._status, state=_NUMBERS[type(state)], because=because,
                        goal_W=None if goal is None else goal.position_W)
 
     def remaining_path(self, now_s: float) -> Array:
         """Returns the (k, 3) rest of the flown trajectory, frame O; (0, 3) at rest."""
         facts = self._facts(now_s)
-        flight = facts.flown(stopping.flight_of(self._state))
+        flight = facts.flown(flight_of(self._state))
         if flight is None or self._inputs.vehicle is None:
             return np.zeros((0, 3))
         return np.asarray(flight.trajectory.points_from_arc(flight.arc_m(facts.vehicle.position_O, now_s)))
 
     def _facts(self, now_s: float) -> Facts:
-        return Facts(now_s, self._inputs, self._config, self._num_jobs + 1)
+        return Facts(now_s, self._inputs, self._config, self._num_jobs + 1, self._look)
 
     def _is_current(self, number: int) -> bool:
         return not isinstance(self._state, Idle) and self._state.job is not None and self._state.job.job == number

@@ -12,7 +12,8 @@ from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Advance,
                                             Publishing, Searching, State)
-from voxnav.planning_manager.stopping import drop_goal, lose, repeat_hover, stop, taken_over, watch
+from voxnav.planning_manager.stopping import lose, repeat_hover, stop
+from voxnav.planning_manager.takeover import drop_goal, taken_over, watch
 
 # A move of this length counts as progress.
 PROGRESS_M = 1.0
@@ -43,7 +44,7 @@ def tick(state: State, facts: Facts) -> Step:
         return fail(state, Because(Reason.NO_ANSWER, _who(state.job) + " does not answer"), facts), ()
     state = with_progress(state, facts)
     if is_stuck(state, facts):
-        return stop(Because(Reason.STUCK, "stuck: " + state.because.sentence), facts)
+        return stop(state, Because(Reason.STUCK, "stuck: " + state.because.sentence), facts)
     return start_plan(state, facts) if is_plan_due(state, facts) else (state, ())
 
 
@@ -105,7 +106,7 @@ def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> 
     waypoints = outcome.waypoints_O
     if len(waypoints) == 0:
         if is_final(state, outcome, facts):
-            return stop(Because(Reason.UNREACHABLE, "goal cannot be reached: " + outcome.problem), facts)
+            return stop(state, Because(Reason.UNREACHABLE, "goal cannot be reached: " + outcome.problem), facts)
         return fail(state, Because(Reason.PLAN_FAILED, outcome.problem), facts), ()
     if not is_worth_flying(state, outcome, facts):
         return replace(state, plan_from_s=facts.now_s + facts.config.replan_interval_s), ()

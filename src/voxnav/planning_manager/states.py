@@ -4,8 +4,11 @@
 from dataclasses import dataclass
 from typing import Optional, Union
 
+import numpy as np
+
 from voxnav._core import PlanOutcome, Trajectory
 from voxnav.array_types import Array
+from voxnav.planning_manager.actions import Means
 from voxnav.planning_manager.reasons import Because
 
 # The vehicle is searched on the trajectory within this time before and after its scheduled time.
@@ -23,11 +26,14 @@ class Goal:
 
 @dataclass(frozen=True)
 class OwnHover:
-    """A hover that voxnav asked for. It is repeated until the control manager accepts it; then the tracker brakes."""
+    """A stop that voxnav asked for. It is repeated until the control manager accepts it; then the tracker brakes."""
 
     because: Because
     sent_s: float
     accepted_s: Optional[float] = None
+    means: Means = Means.HOVER
+    failed: str = ""  # which means was refused last, and why
+    is_second_choice: bool = False  # another means was accepted before, but its way turned out not to be free
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +50,11 @@ class Flight:
     """A trajectory that the tracker has accepted."""
 
     trajectory: Trajectory
-    begin_s: float
+    begin_s: float  # time of its first point
     leads: Leads
     goal_O: Array  # position of the goal in O when this was planned
     asked_s: float  # time at which the tracker was asked; the flight began no earlier
+    taken_s: float  # time of its answer; later predictions show the flight
     is_tracked: bool = False  # the tracker has been seen to fly it
 
     def is_flown(self, now_s: float) -> bool:
@@ -57,6 +64,11 @@ class Flight:
         """Returns the arc length at which the vehicle is."""
         t = now_s - self.begin_s
         return float(self.trajectory.project(position_O, t - BEHIND_S, t + AHEAD_S))
+
+    def deviation_m(self, position_O: Array, time_s: float) -> float:
+        """Returns the distance of a position, past or predicted, from where the trajectory is at about that time."""
+        nearest_O = self.trajectory.points_from_arc(self.arc_m(position_O, time_s))[0]
+        return float(np.linalg.norm(position_O - nearest_O))
 
 
 @dataclass(frozen=True)
@@ -78,6 +90,7 @@ class Publishing:
     job: int
     begin_s: float
     trajectory: Trajectory
+    stamp_s: Optional[float]  # time of its first point; None: the tracker begins when it takes it
     leads: Leads
     because: Because  # reason of the state once the trajectory is flown
     is_shortening: bool
@@ -101,6 +114,7 @@ class Idle:
     because: Because
     goal: Optional[Goal] = None  # a kept goal: the flight resumes once nothing is missing any more
     hover: Optional[OwnHover] = None
+    danger: Optional[Because] = None  # what is wrong with the way on which somebody else flies the vehicle
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,3 +144,12 @@ class Moving:
 
 Active = Union[Planning, Moving]
 State = Union[Idle, Planning, Moving]
+
+
+def own_hover(state: State) -> Optional[OwnHover]:
+    """Returns the stop that voxnav asked for and that is not over yet."""
+    return None if isinstance(state, Moving) else state.hover
+
+
+def flight_of(state: State) -> Optional[Flight]:
+    return None if isinstance(state, Idle) else state.flight

@@ -1,29 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Transitions that end or forget a flight: hover, takeover, losses, giving up, a new goal, a command to stop."""
+"""Transitions that end or forget a flight: hover, losses, giving up, a new goal, a command to stop."""
 
 from dataclasses import replace
 from typing import Optional
 
-from voxnav.planning_manager.actions import Hover
+from voxnav.planning_manager.actions import Hover, Means
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import Active, Flight, Goal, Idle, Moving, OwnHover, Planning, Publishing, State
+from voxnav.planning_manager.states import (Active, Goal, Idle, Moving, OwnHover, Planning, Publishing, State,
+                                            flight_of, own_hover)
+from voxnav.planning_manager.stops import stop_for
 
+# A stop that no means achieves is tried again after this time.
 HOVER_RETRY_S = 1.0
-# Diagnostics that are this much newer than the answer to a hover show whether the tracker brakes.
-HOVER_SHOWS_S = 0.5
-# Within this time the tracker has stopped from any speed.
-HOVER_LASTS_S = 10.0
-# The tracker may report the end of a trajectory this much before its last point.
-TRACKER_STEP_S = 0.3
-
-
-def own_hover(state: State) -> Optional[OwnHover]:
-    return None if isinstance(state, Moving) else state.hover
-
-
-def flight_of(state: State) -> Optional[Flight]:
-    return None if isinstance(state, Idle) else state.flight
+# The next stronger means after a refused one.
+STRONGER = {Means.FOLLOW: Means.HOVER, Means.CLIMB: Means.HOVER, Means.HOVER: Means.EHOVER}
 
 
 def is_in_motion(state: State) -> bool:
@@ -33,9 +24,9 @@ def is_in_motion(state: State) -> bool:
 
 def brake(state: Active, because: Because, facts: Facts) -> Step:
     """Stops now, and plans again from where the vehicle comes to rest."""
-    stopping = OwnHover(because, facts.now_s)
-    braking = Planning(because, state.goal, facts.now_s, progress=state.progress, hover=stopping)
-    return braking, (Hover(because),)
+    stopping, hover = stop_for(because, facts.flown(state.flight), facts)
+    braking = Planning(hover.because, state.goal, facts.now_s, progress=state.progress, hover=stopping)
+    return braking, (hover,)
 
 
 def accept_goal(state: State, goal: Goal, facts: Facts) -> Step:
@@ -51,9 +42,10 @@ def accept_goal(state: State, goal: Goal, facts: Facts) -> Step:
     return Planning(because, goal, facts.now_s, job, flight, hover=own_hover(state)), ()
 
 
-def stop(because: Because, facts: Facts) -> Step:
+def stop(state: State, because: Because, facts: Facts) -> Step:
     """Drops the goal and hovers, because it was commanded or the goal cannot be reached."""
-    return Idle(because, None, OwnHover(because, facts.now_s)), (Hover(because),)
+    stopping, hover = stop_for(because, facts.flown(flight_of(state)), facts)
+    return Idle(because, None, stopping), (hover,)
 
 
 def jump_frame(state: State, because: Because, facts: Facts) -> Step:
@@ -62,7 +54,7 @@ def jump_frame(state: State, because: Because, facts: Facts) -> Step:
         return state, ()
     later_s = facts.now_s + facts.config.retry_interval_s
     if is_in_motion(state):
-        braking, actions = brake(state, because, facts)
+        braking, actions = brake(state, because, facts.blind())
         return replace(braking, plan_from_s=later_s), actions
     return replace(state, job=None, plan_from_s=later_s), ()
 
@@ -73,11 +65,12 @@ def lose(state: State, missing: Because, facts: Facts) -> Step:
     if missing.reason is Reason.TRACKER_REFUSES and stopping is not None:
         return state, ()  # the tracker brakes because voxnav asked for a hover, whose reason stands already
     if is_in_motion(state):
-        return Idle(missing.with_prefix("hover: "), state.goal, OwnHover(missing, facts.now_s)), (Hover(missing),)
+        stopping, hover = stop_for(missing, facts.flown(flight_of(state)), facts)
+        return Idle(missing.with_prefix("hover: "), state.goal, stopping), (hover,)
     if state.goal is None:
         return state, ()
     prefix = "hover: " if facts.inputs.is_in_air else "waiting: "
-    return Idle(missing.with_prefix(prefix), state.goal, stopping), ()
+    return Idle(_with_failure(missing.with_prefix(prefix), stopping), state.goal, stopping), ()
 
 
 def jump_clock(state: State, facts: Facts) -> Step:
@@ -89,50 +82,6 @@ def jump_clock(state: State, facts: Facts) -> Step:
     return lose(state, Because(Reason.CLOCK_JUMPED, "clock jumped back"), facts)
 
 
-def watch(state: State, facts: Facts) -> State:
-    """Records what the control manager reports: free to fly to the goal, own hover over, trajectory followed."""
-    timed = facts.control
-    if timed is None:
-        return state
-    control, stamp_s = timed.value, timed.stamp_s
-    stopping = own_hover(state)
-    if stopping is not None and stopping.accepted_s is not None:
-        shown_s = stopping.accepted_s + (HOVER_SHOWS_S if control.is_free else HOVER_LASTS_S)
-        if stamp_s > shown_s and not isinstance(state, Moving):
-            state = replace(state, hover=None)
-    if control.is_free and state.goal is not None and not state.goal.has_been_free:
-        state = replace(state, goal=replace(state.goal, has_been_free=True))
-    flight = flight_of(state)
-    if flight is not None and control.is_tracking and not flight.is_tracked and stamp_s >= flight.begin_s:
-        state = replace(state, flight=replace(flight, is_tracked=True))
-    return state
-
-
-def taken_over(state: State, facts: Facts) -> Optional[str]:
-    """Tells how somebody else took the vehicle over while it flew for voxnav; None while voxnav has it.
-
-    The control manager takes the callbacks away during any hover; those of voxnav's own come back a little later.
-    """
-    timed = facts.control
-    if timed is None or state.goal is None or not state.goal.has_been_free:
-        return None
-    control = timed.value
-    if not control.is_flying:
-        return "landed or no longer flown normally"
-    if not control.accepts_goals and own_hover(state) is None:
-        return "somebody else let the vehicle hover or land"
-    flight = flight_of(state)
-    if flight is None or not flight.is_tracked or control.is_tracking:
-        return None
-    is_over = timed.stamp_s > flight.asked_s + float(flight.trajectory.duration_s) - TRACKER_STEP_S
-    return None if is_over or timed.stamp_s < flight.begin_s else "somebody else commands the vehicle"
-
-
-def drop_goal(what: str) -> Step:
-    """Drops the goal without a hover, because somebody else has the vehicle; voxnav waits for a new goal."""
-    return Idle(Because(Reason.TAKEN_OVER, "goal dropped: " + what)), ()
-
-
 def repeat_hover(state: State, facts: Facts) -> Optional[Step]:
     """Asks again for a hover that is not accepted yet; nothing else is done meanwhile. None if there is none."""
     stopping = own_hover(state)
@@ -140,15 +89,44 @@ def repeat_hover(state: State, facts: Facts) -> Optional[Step]:
         return None
     if facts.now_s - stopping.sent_s <= HOVER_RETRY_S:
         return state, ()
-    again = replace(state, hover=replace(stopping, sent_s=facts.now_s))
-    return again, (Hover(stopping.because, is_repeat=True),)
+    return _ask_again(state, stopping, Means.HOVER, facts)
 
 
 def hover_answered(state: State, problem: str, facts: Facts) -> Step:
+    """Takes the answer to a hover. If it is refused while the vehicle moves, the next stronger means follows at once.
+
+    Emergency hover is not for a vehicle at rest, because after it a person has to allow commands again.
+    """
     stopping = own_hover(state)
     if stopping is None or isinstance(state, Moving):
         return state, ()
-    if problem:
-        because = Because(stopping.because.reason, "%s; hover fails: %s" % (stopping.because.sentence, problem))
-        return replace(state, because=because, hover=replace(stopping, sent_s=facts.now_s)), ()
-    return replace(state, hover=replace(stopping, accepted_s=facts.now_s)), ()
+    if not problem:
+        return replace(state, hover=replace(stopping, accepted_s=facts.now_s)), ()
+    stopping = replace(stopping, failed="%s fails: %s" % (stopping.means.value, problem))
+    state = replace(state, because=_with_failure(stopping.because, stopping))
+    stronger = STRONGER.get(stopping.means)
+    is_at_rest = facts.is_vehicle_known and not facts.is_in_motion
+    if stronger is None or (stronger is Means.EHOVER and is_at_rest):
+        return replace(state, hover=replace(stopping, sent_s=facts.now_s)), ()
+    return _ask_again(state, stopping, stronger, facts)
+
+
+def hover_again(state: State, facts: Facts) -> Step:
+    """Asks once more for a hover, because the tracker took a trajectory after it."""
+    stopping = own_hover(state)
+    if stopping is None or isinstance(state, Moving):
+        return state, ()
+    return _ask_again(state, stopping, Means.HOVER, facts)
+
+
+def _ask_again(state: State, stopping: OwnHover, means: Means, facts: Facts) -> Step:
+    if isinstance(state, Moving):
+        return state, ()
+    again = replace(stopping, sent_s=facts.now_s, accepted_s=None, means=means)
+    return replace(state, hover=again), (Hover(stopping.because, is_repeat=True, means=means),)
+
+
+def _with_failure(because: Because, stopping: Optional[OwnHover]) -> Because:
+    if stopping is None or not stopping.failed:
+        return because
+    return Because(because.reason, "%s; %s" % (because.sentence, stopping.failed))
