@@ -3,6 +3,7 @@
 workers of a Dask cluster can import them."""
 
 import os
+import time
 
 import yaml
 
@@ -45,3 +46,9 @@ def fly_with_weight(task):
     clearance_m = 1.2 if weight < 1.35 else 0.4
     flight_s = 20.0 + 50.0 * abs(weight - 1.3)
     return FlightResult(row_of(task, "", summary(flight_s=flight_s, min_clearance_m=clearance_m)), {})
+
+
+def fly_slowly(task):
+    """Takes a minute, unless the seed is 2."""
+    time.sleep(0.0 if task.seed == 2 else 60.0)
+    return fly(task)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/campaign flies a grid on Dask, keeps every result, goes on after interruptions and tells what failed."""
 
+import contextlib
 import csv
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -117,7 +119,9 @@ def wait_until(condition, what):
         time.sleep(0.05)
 
 
-def test_a_campaign_flies_on_a_running_scheduler(tmp_path, flown):
+@contextlib.contextmanager
+def cluster(tmp_path):
+    """Yields the address of a Dask scheduler, its process, and the process of its one worker."""
     address_file = tmp_path / "scheduler.json"
     scheduler = start("dask-scheduler", "--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file",
                       str(address_file))
@@ -125,13 +129,29 @@ def test_a_campaign_flies_on_a_running_scheduler(tmp_path, flown):
                    "--no-dashboard")
     try:
         wait_until(lambda: address_file.exists() and address_file.read_text().endswith("}"), "the scheduler")
-        address = json.loads(address_file.read_text())["address"]
-        assert campaign(tmp_path / "out", "--seeds", "2,4", "--scheduler", address) == 0
-        assert {process for _, process in flown()} == {str(worker.pid)}
+        yield json.loads(address_file.read_text())["address"], scheduler, worker
     finally:
         for process in (worker, scheduler):
-            process.terminate()
+            process.kill()
             process.communicate(timeout=LIMIT_S)
+
+
+def test_a_campaign_flies_on_a_running_scheduler(tmp_path, flown):
+    with cluster(tmp_path) as (address, _, worker):
+        assert campaign(tmp_path / "out", "--seeds", "2,4", "--scheduler", address) == 0
+        assert {process for _, process in flown()} == {str(worker.pid)}
+    assert len(rows(tmp_path / "out")) == 8
+
+
+def test_a_campaign_whose_scheduler_is_lost_ends_and_can_go_on(tmp_path, flown, capsys):
+    with cluster(tmp_path) as (address, scheduler, _):
+        killer = threading.Thread(target=lambda: (wait_until(flown, "the first flight"), scheduler.kill()))
+        killer.start()
+        assert campaign(tmp_path / "out", "--seeds", "2,4", "--scheduler", address,
+                        fly=campaign_fakes.fly_slowly) == 1
+        killer.join()
+    assert "scheduler was lost" in capsys.readouterr().err
+    assert campaign(tmp_path / "out", "--seeds", "2,4") == 0
     assert len(rows(tmp_path / "out")) == 8
 
 

@@ -33,7 +33,7 @@ def _dask() -> Any:
         import distributed
     except ImportError as error:
         raise CampaignError("campaigns need Dask (package python3-distributed): %s" % error) from error
-    logging.getLogger("distributed").setLevel(logging.ERROR)  # it logs its own start and end
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # errors come as exceptions as well
     return distributed
 
 
@@ -52,10 +52,11 @@ def client(scheduler: str | None, num_workers: int) -> Iterator[Any]:
             dask = stack.enter_context(distributed.Client(scheduler, timeout=CONNECTION_LIMIT_S))
         except OSError as error:
             raise CampaignError("no Dask scheduler answers at %s: %s" % (scheduler, error)) from error
-        try:
-            dask.wait_for_workers(1, timeout=CONNECTION_LIMIT_S)
-        except Exception as error:  # a TimeoutError, whose class depends on the version
-            raise CampaignError("the Dask scheduler at %s has no workers" % scheduler) from error
+        deadline = time.monotonic() + CONNECTION_LIMIT_S
+        while not dask.scheduler_info()["workers"]:
+            if time.monotonic() > deadline:
+                raise CampaignError("the Dask scheduler at %s has no workers" % scheduler)
+            time.sleep(0.1)
         yield dask
 
 
@@ -63,8 +64,9 @@ def run(dask: Any, tasks: Sequence[FlightTask], flown: Callable[[FlightTask, Fli
         fly_one: Fly = fly) -> None:
     """Flies all tasks and calls flown(task, result) in this thread as each ends, in the order in which they end.
 
-    A task whose worker raised or died becomes a row with that reason. If this call is interrupted, the flights that are
-    in the air are stopped and are not reported.
+    A task that raised, or whose workers died again and again, becomes a row with that reason. If this call is
+    interrupted, the flights that are in the air are stopped and are not reported. Raises CampaignError if the scheduler
+    is lost.
     """
     from distributed import as_completed
 
@@ -78,8 +80,9 @@ def run(dask: Any, tasks: Sequence[FlightTask], flown: Callable[[FlightTask, Fli
             flown(task, _result(future, task))
             future.release()
     except BaseException:
-        dask.cancel(list(waiting))
-        _stop(dask, name)
+        with contextlib.suppress(OSError):  # without a scheduler flights end by their own limits
+            dask.cancel(list(waiting))
+            _stop(dask, name)
         raise
 
 
@@ -92,6 +95,8 @@ def _stop(dask: Any, name: str) -> None:
 
 
 def _result(future: Any, task: FlightTask) -> FlightResult:
+    if future.cancelled():
+        raise CampaignError("the Dask scheduler was lost; the same command goes on with the campaign")
     error = future.exception()
     if error is None:
         return future.result()  # type: ignore[no-any-return]
