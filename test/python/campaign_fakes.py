@@ -39,12 +39,12 @@ def count(task):
             out.write("%s %d\n" % (task.name, os.getpid()))
 
 
-def fly_with_weight(task):
-    """Is fastest where the configured weight is 1.3, and comes too near above 1.35."""
-    weight = yaml.safe_load(task.config)["planner"]["search"]["weight"]
+def fly_with_ratio(task):
+    """Is fastest where the configured ratio is 0.7, and comes too near above 0.75."""
+    ratio = yaml.safe_load(task.config)["planning_manager"]["manager"]["deceleration_ratio"]
     count(task)
-    clearance_m = 1.2 if weight < 1.35 else 0.4
-    flight_s = 20.0 + 50.0 * abs(weight - 1.3)
+    clearance_m = 1.2 if ratio < 0.75 else 0.4
+    flight_s = 20.0 + 50.0 * abs(ratio - 0.7)
     return FlightResult(row_of(task, "", summary(flight_s=flight_s, min_clearance_m=clearance_m)), {})
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The search of parameters finds better ones, does not fly the same twice, and goes on after interruptions."""
 
+import os
+import re
 import sys
 
 import pytest
@@ -12,13 +14,15 @@ from voxnav.campaign.errors import CampaignError
 from voxnav.campaign.rows import FlightRow
 from voxnav.campaign.search import merged, read_space, score, trial_folder
 
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SPACE = """
 min_clearance_m: 1.0
 parameters:
-  planner:
-    search:
-      weight: {low: 1.0, high: 1.5, step: 0.1}
+  planning_manager:
+    manager:
+      deceleration_ratio: {low: 0.4, high: 0.9, step: 0.1}
 """
+RATIO = "planning_manager/manager/deceleration_ratio"
 
 
 def space_file(tmp_path, text=SPACE):
@@ -31,13 +35,14 @@ def search(tmp_path, trials):
     pytest.importorskip("optuna")
     pytest.importorskip("distributed")
     return cli.main(["--worlds", "grove", "--seeds", "1,2", "--workers", "1", "--out", str(tmp_path / "out"),
-                     "--search", space_file(tmp_path), "--trials", str(trials)], campaign_fakes.fly_with_weight)
+                     "--search", space_file(tmp_path), "--trials", str(trials)], campaign_fakes.fly_with_ratio)
 
 
 def test_a_space_is_read(tmp_path):
-    space = read_space(space_file(tmp_path, SPACE + "  cloud_filter:\n    mode: {choices: [a, b]}\nseed: 4\n"))
-    assert space.parameters == {"planner/search/weight": {"low": 1.0, "high": 1.5, "step": 0.1},
-                                "cloud_filter/mode": {"choices": ["a", "b"]}}
+    space = read_space(space_file(
+        tmp_path, SPACE + "  local_mapper:\n    map:\n      resolution_m: {choices: [0.3, 0.4]}\nseed: 4\n"))
+    assert space.parameters == {RATIO: {"low": 0.4, "high": 0.9, "step": 0.1},
+                                "local_mapper/map/resolution_m": {"choices": [0.3, 0.4]}}
     assert space.min_clearance_m == 1.0 and space.seed == 4
 
 
@@ -47,6 +52,22 @@ def test_a_space_is_read(tmp_path):
 def test_spaces_that_cannot_be_read_are_refused(tmp_path, text):
     with pytest.raises(CampaignError):
         read_space(space_file(tmp_path, text))
+
+
+@pytest.mark.parametrize("name,problem", [
+    ("planning_manager: {manager: {decelerate", "no parameter manager/decelerate"),
+    ("pilot: {manager: {a", "no node pilot")])
+def test_parameters_that_no_node_has_are_refused_before_anything_flies(tmp_path, name, problem):
+    with pytest.raises(CampaignError, match=problem):
+        read_space(space_file(tmp_path, "parameters: {%s: {low: 1, high: 2}}}}" % name))
+
+
+def test_the_documented_space_is_the_example_and_can_be_read():
+    example = os.path.join(ROOT, "docs", "examples", "search_planner.yaml")
+    assert len(read_space(example).parameters) == 2
+    with open(example) as source, open(os.path.join(ROOT, "docs", "campaign.md")) as page:
+        text = source.read().split("\n", 2)[2]  # without the lines about the file itself
+        assert re.findall(r"```yaml\n(.*?)```", page.read(), re.DOTALL) == [text]
 
 
 def test_values_go_into_the_configuration():
@@ -72,7 +93,7 @@ def test_a_search_finds_what_is_fastest_and_safe(tmp_path, monkeypatch, capsys):
     assert search(tmp_path, 6) == 0
     assert search(tmp_path, 14) == 0
     best = yaml.safe_load((tmp_path / "out" / "best.yaml").read_text())
-    assert best["planner"]["search"]["weight"] == pytest.approx(1.3)
+    assert best["planning_manager"]["manager"]["deceleration_ratio"] == pytest.approx(0.7)
     assert "trial 14 of 14" in capsys.readouterr().out
     num_folders = len(list((tmp_path / "out" / "trials").iterdir()))
     assert num_folders <= 6  # so many values there are
@@ -86,17 +107,17 @@ def test_an_interrupted_trial_is_taken_up_again(tmp_path):
     def load():
         return optuna.load_study(study_name="voxnav", storage="sqlite:///%s" % (tmp_path / "out" / "study.db"))
     study = load()
-    study.enqueue_trial({"planner/search/weight": 1.3})
-    study.ask({"planner/search/weight": optuna.distributions.FloatDistribution(1.0, 1.5, step=0.1)})
+    study.enqueue_trial({RATIO: 0.7})
+    study.ask({RATIO: optuna.distributions.FloatDistribution(0.4, 0.9, step=0.1)})
     assert search(tmp_path, 2) == 0
     states = [(trial.state.name, trial.params) for trial in load().get_trials()]
-    assert states[1] == ("FAIL", {"planner/search/weight": 1.3})
-    assert states[2] == ("COMPLETE", {"planner/search/weight": 1.3})
+    assert states[1] == ("FAIL", {RATIO: 0.7})
+    assert states[2] == ("COMPLETE", {RATIO: 0.7})
 
 
 def test_a_machine_without_optuna_names_the_package(tmp_path, capsys, monkeypatch):
     pytest.importorskip("distributed")
     monkeypatch.setitem(sys.modules, "optuna", None)
     assert cli.main(["--worlds", "grove", "--seeds", "1", "--workers", "1", "--out", str(tmp_path / "out"), "--search",
-                     space_file(tmp_path)], campaign_fakes.fly_with_weight) == 1
+                     space_file(tmp_path)], campaign_fakes.fly_with_ratio) == 1
     assert "python3-optuna" in capsys.readouterr().err

@@ -47,7 +47,8 @@ def client(scheduler: str | None, num_workers: int) -> Iterator[Any]:
     with contextlib.ExitStack() as stack:
         if scheduler is None:
             scheduler = stack.enter_context(distributed.LocalCluster(
-                n_workers=1, threads_per_worker=num_workers, processes=False, dashboard_address=None, memory_limit=0))
+                n_workers=1, threads_per_worker=num_workers, processes=False, memory_limit=0,
+                dashboard_address="127.0.0.1:0"))
         try:
             dask = stack.enter_context(distributed.Client(scheduler, timeout=CONNECTION_LIMIT_S))
         except OSError as error:

@@ -14,6 +14,7 @@ import yaml
 from voxnav.campaign.errors import CampaignError
 from voxnav.campaign.progress import say
 from voxnav.campaign.rows import FlightRow
+from voxnav.demo.mission import repository_file
 
 _RANGE_KEYS = {"low", "high", "step", "log"}
 _CHOICE_KEYS = {"choices"}
@@ -42,9 +43,23 @@ def read_space(path: str) -> ParameterSpace:
                                int(content.get("seed", 1)))
     except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError) as error:
         raise CampaignError("%s cannot be read as a space of parameters: %r" % (path, error)) from error
-    if not space.parameters:
-        raise CampaignError("%s: there is no parameter to search" % path)
+    for name in space.parameters:
+        _check_exists(path, name)
     return space
+
+
+def _check_exists(path: str, name: str) -> None:
+    """Raises CampaignError unless the configuration of a node has the parameter: nodes stop at one they do not know."""
+    node, *keys = name.split("/")
+    try:
+        with open(repository_file("config/%s.yaml" % node)) as source:
+            content = yaml.safe_load(source)
+    except FileNotFoundError as error:
+        raise CampaignError("%s: there is no node %s with a file in config/" % (path, node)) from error
+    for key in keys:
+        if not isinstance(content, dict) or key not in content:
+            raise CampaignError("%s: config/%s.yaml has no parameter %s" % (path, node, "/".join(keys)))
+        content = content[key]
 
 
 def _leaves(node: Any, path: tuple[str, ...]) -> Any:
