@@ -7,6 +7,7 @@ A field is a dict (name, default, min, max, choices, unit, doc).
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from typing import Any, Dict, List
 
@@ -38,6 +39,13 @@ OFTEN_CHANGED = (
     "planning_manager/manager/corridor_radius_m", "planning_manager/manager/max_flight_time_s",
     "planning_manager/map/min_altitude_m", "planning_manager/map/max_altitude_m",
 )
+
+
+def describing_program() -> str | None:
+    """Returns the path of ``describe_parameters`` in the workspace of this environment, or None if it is not built."""
+    paths = [os.path.join(prefix, "lib", "voxnav", "describe_parameters")
+             for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":")]
+    return next((path for path in paths if os.path.exists(path)), None)
 
 
 def nodelet_parameters(program: str) -> Parameters:

@@ -15,12 +15,10 @@ PARTIAL = {"faults", "map_bag", "simulation", "thesis"}
 
 @pytest.fixture(scope="module")
 def everything():
-    paths = [os.path.join(prefix, "lib", "voxnav", "describe_parameters")
-             for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":")]
-    found = [path for path in paths if os.path.exists(path)]
-    if not found:
+    program = parameters.describing_program()
+    if program is None:
         pytest.skip("describe_parameters is not built: no ROS workspace")
-    return dict(parameters.nodelet_parameters(found[0]), **parameters.python_parameters())
+    return dict(parameters.nodelet_parameters(program), **parameters.python_parameters())
 
 
 def configurations():

@@ -14,7 +14,7 @@ import numpy as np
 from voxnav.alignment.flight import kept_flight, world_of
 from voxnav.alignment.measure import Errors, aligned_surface, merged_surface, own_surface, solve, surface_share
 from voxnav.alignment.pictures import draw_errors, draw_trunks
-from voxnav.alignment.scenarios import SCENARIOS, Scenario
+from voxnav.alignment.scenarios import SCENARIOS, Scenario, at_rate
 from voxnav.plotting import require_pictures
 
 _DEFAULT = [name for name in SCENARIOS if name != "long"]
@@ -27,6 +27,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--scenarios", nargs="+", choices=list(SCENARIOS), default=_DEFAULT,
                         help="default: %(default)s")
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], help="of world, sensor and drift")
+    parser.add_argument("--scan-hz", type=float, help="scans per second; default: those of the scenario")
     parser.add_argument("--out", default="build/alignment", help="folder for pictures and alignment.json")
     parser.add_argument("--keep-flights", metavar="DIR", help="keep simulated flights here and use those that are kept")
     return parser.parse_args(argv)
@@ -97,7 +98,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in args.scenarios:
         for seed in args.seeds:
             start_s = time.process_time()
-            results.append(evaluate(SCENARIOS[name], seed, args.out, args.keep_flights))
+            scenario = at_rate(SCENARIOS[name], args.scan_hz)
+            results.append(evaluate(scenario, seed, args.out, args.keep_flights))
             r = results[-1]
             print("%-9s seed %d: %.3f -> %.3f m (%.0f s)" % (
                 name, seed, r["before"]["rmse_m"], r["after"]["rmse_m"], time.process_time() - start_s), flush=True)

@@ -97,7 +97,7 @@ def kept_flight(scenario: Scenario, seed: int, folder: str | None) -> SimulatedF
     """Returns a flight of fly(), kept in a folder between runs. Delete the folder when the mapping pipeline changes."""
     if not folder:
         return fly(scenario, seed)
-    path = os.path.join(folder, "%s_%d.pickle" % (scenario.name, seed))
+    path = os.path.join(folder, "%s_%d_%g_hz.pickle" % (scenario.name, seed, scenario.scan_hz))
     if not os.path.exists(path):
         os.makedirs(folder, exist_ok=True)
         flight = fly(scenario, seed)

@@ -15,7 +15,7 @@ import voxnav
 from voxnav.alignment.flight import fly, world_of
 from voxnav.alignment.measure import aligned_surface, solve
 from voxnav.alignment.pictures import draw_places
-from voxnav.alignment.scenarios import Scenario
+from voxnav.alignment.scenarios import Scenario, at_rate
 from voxnav.array_types import Array
 from voxnav.optimizer_session import SubmapRecord
 from voxnav.plotting import require_pictures
@@ -63,11 +63,10 @@ def _changes(collection: voxnav.SubmapCollection, T_est: Array, T_true: Array,
     return out
 
 
-def evaluate(seed: int, drift_m: float, picture: str | None = None) -> list[tuple[Any, ...]]:
+def evaluate(seed: int, scenario: Scenario, picture: str | None = None) -> list[tuple[Any, ...]]:
     """Flies and solves one scenario. Returns one row for drifting and one for corrected poses: (name, share of the old
     truck that is left, share of static surface that is lost, changes). Draws the corrected map before the truck moved
     and at the end if `picture` names a file."""
-    scenario = scenario_of(drift_m)
     world: Any = world_of(scenario, seed)
     trucks, moved_at_s = [world.vehicle_pose()], []
 
@@ -83,7 +82,7 @@ def evaluate(seed: int, drift_m: float, picture: str | None = None) -> list[tupl
     rows, true = np.searchsorted(flight.stamps_s, solved.stamps_s - 1e-6), solved.T_true
     out: list[tuple[Any, ...]] = []
     sides: list[tuple[str, dict[int, Array], dict[int, Array], Array, float]] = [
-        ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], drift_m),
+        ("drifting", {r.id: r.T_O_S for r, _ in flight.submaps}, {}, flight.T_O_B[rows], scenario.drift_m),
         ("corrected", solved.session.graph.poses(), solved.session.bends(), solved.T_W_B, 0.0)]
     for name, poses, bends, T_est, slack_m in sides:
         old = aligned_surface(_map_of(first, poses, bends)[1], T_est, true)
@@ -105,13 +104,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="evaluate_ghosts", description=__doc__)
     parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2, 3], help="of world, sensor and drift")
     parser.add_argument("--drift", type=float, default=1.0, help="peak [m], default %(default)s")
+    parser.add_argument("--scan-hz", type=float, help="scans per second; default: those of the scenario")
     parser.add_argument("--out", default=os.path.join("build", "ghosts"), help="for pictures, default %(default)s")
     args = parser.parse_args(argv)
     require_pictures()
     os.makedirs(args.out, exist_ok=True)
+    scenario = at_rate(scenario_of(args.drift), args.scan_hz)
     print("seed  poses      old truck left  static lost  listed where the truck was, is, and elsewhere (voxels)")
     for seed in args.seeds:
-        for name, truck, lost, changes in evaluate(seed, args.drift, os.path.join(args.out, "truck_%d.png" % seed)):
+        for name, truck, lost, changes in evaluate(seed, scenario, os.path.join(args.out, "truck_%d.png" % seed)):
             at_trucks = ["%s %d" % (kind, voxels) for kind, voxels, gap_m in changes if gap_m < 4.0]
             others = [(kind, voxels) for kind, voxels, gap_m in changes if gap_m >= 4.0]
             elsewhere = ["%s: %d of %d" % (kind, len(rows), sum(rows)) for kind in ("appeared", "disappeared")

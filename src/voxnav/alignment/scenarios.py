@@ -78,6 +78,11 @@ SCENARIOS = collections.OrderedDict((s.name, s) for s in (
 ))
 
 
+def at_rate(scenario: Scenario, scan_hz: float | None) -> Scenario:
+    """Returns a scenario with another rate of scans; None leaves its own."""
+    return scenario if scan_hz is None else scenario._replace(scan_hz=scan_hz)
+
+
 def _resampled(corners: Array, step_m: float) -> Array:
     lengths = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))]
     at = np.linspace(0.0, lengths[-1], max(2, int(round(lengths[-1] / step_m)) + 1))

@@ -69,7 +69,8 @@ def main(arguments: Iterable[str] | None = None) -> int:
     parser.add_argument("--scans", type=int, default=20, help="scans of each flight")
     parser.add_argument("--rain", type=float, nargs="+", default=[0.0, 2.0, 10.0, 25.0], help="rates in mm/h")
     options = parser.parse_args(None if arguments is None else list(arguments))
-    print("| seed | rain mm/h | m | outliers removed | false / min | present | kept | wires | leaves | branches |")
+    print("Of all surface and of each kind: kept / wrongly free, as shares of the voxels that were seen.\n")
+    print("| seed | rain mm/h | m | outliers removed | false / min | present | all | wires | leaves | branches |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for seed in options.seeds:
         for rain in options.rain:
@@ -77,7 +78,8 @@ def main(arguments: Iterable[str] | None = None) -> int:
                 for resolution_m in (0.2, 0.4):
                     found = measure(seed, options.scans, {"rain_mm_per_h": rain, "speckle_ratio": SUNLIGHT},
                                     {"remove_outliers": is_removing}, resolution_m)
-                    kept = " | ".join("%.3f" % found.shares[k].kept for k in ("all", "poles", "leaves", "branches"))
+                    shares = [found.shares[kind] for kind in ("all", "poles", "leaves", "branches")]
                     print("| %d | %g | %.1f | %s | %.0f | %.1f | %s |" % (
-                        seed, rain, resolution_m, is_removing, found.false_per_minute, found.false_present, kept))
+                        seed, rain, resolution_m, is_removing, found.false_per_minute, found.false_present,
+                        " | ".join("%.3f / %.4f" % (share.kept, share.free) for share in shares)))
     return 0
