@@ -6,9 +6,9 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "depth_cloud.hpp"
 #include "floors.hpp"
 #include "pcl_filters.hpp"
-#include "voxnav/cloud/depth_cloud.hpp"
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/cloud/sweep.hpp"
 
@@ -95,6 +95,13 @@ CloudLayout make_layout(std::uint32_t height, std::uint32_t width, std::uint32_t
   return layout;
 }
 
+std::vector<FieldTuple> fields_of(const CloudLayout& layout) {
+  std::vector<FieldTuple> out;
+  for (const auto& field : layout.fields)
+    out.emplace_back(field.name, field.offset, static_cast<int>(field.type), field.count);
+  return out;
+}
+
 py::array_t<float> rows_of(const std::vector<geometry::Vec3f>& points) {
   py::array_t<float> out({static_cast<py::ssize_t>(points.size()), py::ssize_t{3}});
   if (!points.empty()) std::memcpy(out.mutable_data(), points.front().data(), points.size() * sizeof(geometry::Vec3f));
@@ -155,38 +162,6 @@ void bind_sweep(py::module_& m) {
           py::arg("data"), py::arg("layout"), "(k, 3) float32 unit directions, sensor frame; learns from each scan.");
 }
 
-/// Makes a cloud of a depth image: (h, w) uint16 in millimetres or float32 in metres.
-py::tuple convert(cloud::DepthCloud& self, const py::array& image, const py::array& K) {
-  const double* k = data_of<double>(K, "K", {3, 3});
-  const bool is_millimetres = py::isinstance<py::array_t<std::uint16_t>>(image);
-  if (is_millimetres) {
-    data_of<std::uint16_t>(image, "image", {-1, -1});
-  } else {
-    data_of<float>(image, "image", {-1, -1});
-  }
-  cloud::CameraInfo info;
-  info.height = static_cast<std::uint32_t>(image.shape(0));
-  info.width = static_cast<std::uint32_t>(image.shape(1));
-  std::copy(k, k + 9, info.K.begin());
-  const cloud::CameraModel camera = cloud::camera_of(info);
-  std::vector<std::uint8_t> bytes;
-  self.convert({is_millimetres ? "16UC1" : "32FC1", info.width, info.height,
-                static_cast<std::uint32_t>(image.nbytes() / image.shape(0)), false,
-                static_cast<const std::uint8_t*>(image.data()), static_cast<std::size_t>(image.nbytes())},
-               camera, &bytes);
-  return py::make_tuple(py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size()), self.layout(camera));
-}
-
-void bind_depth_cloud(py::module_& m) {
-  bind_config<cloud::DepthCloudConfig>(m, "DepthCloudConfig", "Which pixels of a depth image become points.");
-  py::class_<cloud::DepthCloud>(m, "DepthCloud", "Turns depth images into organised clouds. Not thread-safe.")
-      .def(py::init<const cloud::DepthCloudConfig&>(), py::arg("config") = cloud::DepthCloudConfig())
-      .def("convert", &convert, py::arg("image"), py::arg("K"),
-           "Converts a rectified image: (h, w) uint16 in millimetres or float32 in metres, 0 = none.\n\n"
-           "K: (3, 3) float64 intrinsics. Returns the bytes of a cloud in the optical frame and its CloudLayout, for\n"
-           "CloudFilter.apply_raw(). Raises ValueError.");
-}
-
 void bind_point_times(py::module_& m) {
   using cloud::PointTimes;
   using cloud::TimesReport;
@@ -231,6 +206,10 @@ void bind_layout(py::module_& m) {
       .def(py::init(&make_layout), py::arg("height"), py::arg("width"), py::arg("point_step"), py::arg("fields"),
            py::arg("row_step") = 0, py::arg("is_big_endian") = false,
            "fields: list of (name, offset, datatype, count), datatypes numbered as in sensor_msgs/PointField.")
+      .def_readonly("height", &CloudLayout::height)
+      .def_readonly("width", &CloudLayout::width)
+      .def_readonly("point_step", &CloudLayout::point_step, "Bytes from point to point.")
+      .def_property_readonly("fields", &fields_of, "As the constructor takes them.")
       .def("problem", &CloudLayout::problem, py::arg("data_size"),
            "Explains why data of this many bytes cannot be read with this layout; empty if it can.");
 }

@@ -69,7 +69,7 @@ def test_a_constant_link_on_tf_counts_as_static():
 def test_of_a_static_link_that_was_sent_twice_the_last_one_counts_and_this_is_reported():
     frames = graph(("base", "lidar", A), ("base", "lidar", B))
     assert np.allclose(mount(frames).T_B_L, B)
-    assert "different values" in frames.warnings[0]
+    assert "different values" in frames.warnings[0].what
 
 
 @pytest.mark.parametrize("frames", [graph(), graph(("base", "camera", A)), graph(("other", "lidar", A))])
@@ -102,11 +102,11 @@ def test_without_odometry_the_imu_is_the_body_and_must_be_known():
 
 def test_an_unnamed_body_is_the_root_above_the_lidar_and_this_is_reported():
     found = mount(graph(("base", "lidar", A)), body="")
-    assert np.allclose(found.T_B_L, A) and found.body == "base" and "child_frame_id" in found.notes[0]
+    assert np.allclose(found.T_B_L, A) and found.body == "base" and "child_frame_id" in found.notes[0].what
     frames = graph(("base", "lidar", A), ("above", "base", B))
     for x in (0.0, 1.0):
         frames.add("odom", "base", mount_of((x, 0, 0), (0, 0, 0)), is_static=False)
-    assert "'above'" in mount(frames, body="").notes[0]
+    assert "'above'" in mount(frames, body="").notes[0].what
     with pytest.raises(DatasetError):
         mount(graph(), body="")
 

@@ -3,6 +3,7 @@
 
 import copy
 import json
+import re
 
 import numpy as np
 import pytest
@@ -328,8 +329,13 @@ def test_the_page_of_a_bad_recording_names_each_problem_and_what_to_do(scans, tm
     bag = write_messages(str(tmp_path / "bad.bag"), messages)
     assert check_recording([bag]) == 3
     page = capsys.readouterr().out
-    for words in ("alone", "cannot be read", "is of g", "silent once", "50.1 s apart", "->"):
+    for words in ("alone", "/points: 1 of 14 messages that were looked at cannot be used: data has 5 bytes", "is of g",
+                  "silent once", "50.1 s apart"):
         assert words in page
+    lines = page[page.index("\nproblems"):].splitlines()[2:]
+    assert len(lines) >= 8 and len(lines) % 2 == 0
+    for what, to_do in zip(lines[::2], lines[1::2]):
+        assert re.match(r"  \d+\. \S", what) and to_do.startswith("     -> "), what
 
 
 def test_the_page_names_gaps_of_odometry_and_invalid_transforms(scans, tmp_path, capsys):
@@ -338,10 +344,17 @@ def test_the_page_names_gaps_of_odometry_and_invalid_transforms(scans, tmp_path,
     broken = link("body", "camera", np.eye(4))
     broken.transforms[0].transform.rotation.w = 0.0
     messages.append([FIRST_S, "/tf_static", broken])
+    odometry = of_topic(messages, "/odom")
+    no_quaternion(odometry[5][2])
+    spoil_pose(odometry[9][2], x=60.0)
+    odometry[12][2].child_frame_id = "gps"
+    of_topic(messages, "/points")[6][2].header.frame_id = "map"
     assert check_recording([write_messages(str(tmp_path / "gap.bag"), messages)]) == 3
     page = capsys.readouterr().out
     assert "/odom is silent once longer than 0.3 s, for 0.5 s" in page and "LiDAR odometry covers it" in page
     assert "body to camera is not one" in page
+    for words in ("quaternion", "its pose is alone", "its body is 'gps'", "its frame is 'map'"):
+        assert re.search("1 of [0-9]+ messages that were looked at cannot be used: .*" + words, page)
 
 
 def test_a_large_recording_is_surveyed_in_windows_with_the_same_result(scans, tmp_path, capsys, monkeypatch):
@@ -353,7 +366,7 @@ def test_a_large_recording_is_surveyed_in_windows_with_the_same_result(scans, tm
     monkeypatch.setattr("voxnav.recordings.survey._WHOLE_BYTES", 1000)
     check_recording([bag])
     page = capsys.readouterr().out
-    assert "looked at in windows" in page and "repeats" not in page and "cannot be read" not in page
+    assert "looked at in windows" in page and "repeats" not in page and "cannot be used" not in page
     for words in ("/points (", "/odom (50 Hz", "/imu (200 Hz", "body -> lidar", "m/s^2"):
         assert words in page
 

@@ -123,13 +123,13 @@ def two_lidars():
     return messages
 
 
-def run(tmp_path, messages, *options, name="flight"):
+def run(tmp_path, messages, *options, name="flight", config=""):
     pytest.importorskip("rosbag")
     bag, out = str(tmp_path / (name + ".bag")), str(tmp_path / name)
     write_messages(bag, messages)
-    config = tmp_path / "config.yaml"
-    config.write_text("run: {write_mesh: false}\n")
-    status = map_bag([bag, "--config", str(config), "--out", out] + list(options))
+    path = tmp_path / "config.yaml"
+    path.write_text("run: {write_mesh: false}\n" + config)
+    status = map_bag([bag, "--config", str(path), "--out", out] + list(options))
     if status not in (0, NOT_COVERED):
         return status, {}, None
     with open(out + "/metrics.json") as source:
@@ -177,3 +177,110 @@ def test_check_recording_shows_both_clouds(two_lidars, tmp_path, capsys):
     assert check_recording([bag, "--cloud", "/points", "--cloud", "/rear/points"]) in (0, 3)
     lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("clouds")]
     assert len(lines) == 2 and "/points" in lines[0] and "lidar -> rear" in lines[1]
+
+
+def camera_messages(world, camera, encoding="32FC1", rate_hz=10.0):
+    """The images of a depth camera that flies along, with their camera_info, and where it sits."""
+    import rospy
+    from sensor_msgs.msg import CameraInfo, Image
+
+    out = [[99.9, "/tf_static", link("body", "front_optical", camera.T_B_C)]]
+    for i in range(int(round(rate_hz * SWEEP_S * NUM_SCANS))):
+        t = 1.0 + i / rate_hz
+        metres = camera.image(world, body_pose(t) @ camera.T_B_C, i)
+        pixels = metres if encoding == "32FC1" else np.round(1000.0 * metres).astype(np.uint16)
+        image = Image(height=pixels.shape[0], width=pixels.shape[1], encoding=encoding, data=pixels.tobytes(),
+                      step=pixels.nbytes // pixels.shape[0])
+        info = CameraInfo(height=image.height, width=image.width, K=camera.K.ravel().tolist())
+        for topic, msg in (("/front/depth/image_rect_raw", image), ("/front/depth/camera_info", info)):
+            msg.header.stamp, msg.header.frame_id = rospy.Time.from_sec(99.0 + t), "front_optical"
+            # The first camera_info comes after the first image, as that of a slow driver.
+            out.append([99.0 + t + (0.03 if topic.endswith("info") else 0.01), topic, msg])
+    return out
+
+
+@pytest.fixture(scope="module")
+def lidar_messages():
+    return flight(sweeps(num_scans=NUM_SCANS)[1], first_stamp_s=100.0)
+
+
+CAMERA = ["--depth-camera", "front=/front/depth/image_rect_raw"]
+
+
+@pytest.mark.parametrize("encoding", ["32FC1", "16UC1"])
+def test_map_bag_maps_depth_images_as_the_nodelets_do(encoding, lidar_messages, world, tmp_path, capsys):
+    pytest.importorskip("rosbag")
+    camera = simulation.DepthCamera(seed=3)
+    messages = lidar_messages + camera_messages(world, camera, encoding)
+    status, metrics, points = run(tmp_path, messages, *CAMERA)
+    said = capsys.readouterr().out
+    assert status == 0 and metrics["counts"]["scans"] == 2 * NUM_SCANS and metrics["left_out"] == []
+    assert "/front/depth/image_rect_raw; %d messages, 'front_optical'" % NUM_SCANS in said
+    single = run(tmp_path, lidar_messages, name="single")[2]
+    assert np.mean(world.surface_distance(points) < 0.2) > 0.95 and len(points) > 1.005 * len(single)
+    # The converter of the nodelets is asked beside, with the defaults of config/depth_cloud.yaml.
+    depth, msg = voxnav.DepthCloud(), next(m[2] for m in messages if m[1] == "/front/depth/image_rect_raw")
+    pixels = np.frombuffer(msg.data, np.float32 if encoding == "32FC1" else np.uint16).reshape(msg.height, msg.width)
+    assert depth.convert(pixels, camera.K)[0] == depth.convert_message(msg, voxnav.camera_of(messages[-1][2]))[0]
+
+
+def test_a_recording_of_a_depth_camera_alone_is_mapped_and_hinted_at(lidar_messages, world, tmp_path, capsys):
+    messages = [m for m in lidar_messages if m[1] != "/points"] + camera_messages(world, simulation.DepthCamera(seed=3))
+    assert run(tmp_path, messages)[0] == 1
+    assert "--depth-camera /front/depth/image_rect_raw" in capsys.readouterr().err
+    status, metrics, points = run(tmp_path, messages, *CAMERA)
+    assert status == 0 and metrics["counts"]["scans"] == NUM_SCANS
+    assert np.mean(world.surface_distance(points) < 0.4) > 0.95
+
+
+def test_images_that_come_faster_than_wanted_are_left_out_and_cover_the_recording(lidar_messages, world, tmp_path):
+    messages = lidar_messages + camera_messages(world, simulation.DepthCamera(seed=3), rate_hz=30.0)
+    status, metrics, _ = run(tmp_path, messages, *CAMERA)
+    assert status == 0 and NUM_SCANS + 11 <= metrics["counts"]["scans"] <= 2 * NUM_SCANS + 1
+    assert [row["reason"] for row in metrics["left_out"]] == ["it comes sooner than max_rate_hz allows"]
+
+
+@pytest.mark.parametrize("spoil, word", [
+    (lambda messages: [setattr(m[2], "encoding", "rgb8") for m in messages if m[1].endswith("image_rect_raw")], "rgb8"),
+    (lambda messages: [m[2].K.__setitem__(0, 0.0) for m in messages if m[1].endswith("info")], "intrinsics"),
+    (lambda messages: messages.__setitem__(slice(None), [m for m in messages if not m[1].endswith("info")]),
+     "nothing came on /front/depth/camera_info")])
+def test_images_that_cannot_be_used_are_counted_with_the_reason(spoil, word, lidar_messages, world, tmp_path, capsys):
+    images = camera_messages(world, simulation.DepthCamera(seed=3))
+    spoil(images)
+    status, metrics, _ = run(tmp_path, lidar_messages + images, *CAMERA)
+    assert status == NOT_COVERED and metrics["counts"]["scans"] == NUM_SCANS
+    assert any(row["count"] == NUM_SCANS and word in row["reason"] for row in metrics["left_out"])
+    assert check_recording([str(tmp_path / "flight.bag")] + CAMERA) == 3
+    assert word in capsys.readouterr().out
+
+
+NAMED = ["--cloud", "/points", "--cloud", "rear=/rear/points"]
+
+
+def test_each_sensor_has_its_own_sections(two_lidars, tmp_path):
+    def sizes(config, name):
+        status, metrics, points = run(tmp_path, two_lidars, *NAMED, name=name, config=config)
+        assert status == 0
+        return metrics["counts"]["points_kept"], len(points)
+    kept, size = sizes("", "all")
+    assert sizes("cloud_filter_rear: {filter: {column_decimation: 4}}\n", "filter")[0] < 0.8 * kept
+    assert sizes("filter: {column_decimation: 4}\ncloud_filter_rear: {filter: {column_decimation: 1}}\n",
+                 "over")[0] < 0.8 * kept
+    near = sizes("local_mapper: {rear: {max_range_m: 1.0}}\n", "near")
+    assert near[0] == kept and near[1] < size
+
+
+@pytest.mark.parametrize("config, words", [
+    ("cloud_filter_rear: {filter: {min_range: 1.0}}\n", "cloud_filter_rear/filter/min_range"),
+    ("cloud_filter_rear: {depth: {}}\n", "cloud_filter_rear/depth: unknown section"),
+    ("cloud_filter_front: {filter: {}}\n", "cloud_filter_front: unknown section"),
+    ("local_mapper: {map: {resolution_m: 0.2}}\n", "local_mapper/map: no sensor of that name"),
+    ("local_mapper: {rear: {max_range_m: -1.0}}\n", "local_mapper/rear/max_range_m"),
+    ("cloud_filter_rear: 3\n", "cloud_filter_rear: is a section")])
+def test_wrong_sections_of_sensors_are_refused_by_name(config, words, two_lidars, tmp_path, capsys):
+    assert run(tmp_path, two_lidars, *NAMED, config=config)[0] == 1
+    assert words in capsys.readouterr().err
+    if "min_range" in words:
+        assert run(tmp_path, two_lidars, "--cloud", "a=/points", "--cloud", "a=/rear/points", name="twice")[0] == 1
+        assert "two sensors are called a" in capsys.readouterr().err

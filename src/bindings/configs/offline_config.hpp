@@ -25,7 +25,9 @@ constexpr auto words_of(MountSource) { return std::array{"auto", "recording", "g
 struct OfflineConfig {
   std::string cloud_topic;
   std::vector<std::string> further_cloud_topics;
+  std::vector<std::string> depth_camera_topics;
   std::string odometry_topic;
+  std::string odometry_frame;
   std::string imu_topic;
   PoseSource pose_source = PoseSource::kAuto;
   MountSource mount_source = MountSource::kAuto;
@@ -38,11 +40,16 @@ struct OfflineConfig {
   static void fields(V&& v) {
     using C = OfflineConfig;
     v("cloud_topic", &C::cloud_topic, base::any(), "",
-      "topic of the clouds in a bag; empty = chosen by fields, rate and extent");
+      "topic of the clouds in a bag, or NAME=TOPIC; empty = chosen by fields, rate and extent");
     v("further_cloud_topics", &C::further_cloud_topics, base::any(), "",
-      "topics of the clouds of other sensors, which are mapped as well; where they sit is as the transforms say");
+      "topics of the clouds of other sensors, or NAME=TOPIC, which are mapped as well; where they sit is as the "
+      "transforms say");
+    v("depth_camera_topics", &C::depth_camera_topics, base::any(), "",
+      "topics of the depth images of cameras, or NAME=TOPIC, which are mapped as well; camera_info is beside them");
     v("odometry_topic", &C::odometry_topic, base::any(), "",
       "topic of body poses in a bag; empty = chosen by mount and rate");
+    v("odometry_frame", &C::odometry_frame, base::any(), "",
+      "frame of the poses that are taken from /tf where no topic has them; empty = chosen by name and motion");
     v("imu_topic", &C::imu_topic, base::any(), "", "topic of the IMU in a bag; empty = chosen by mount and rate");
     v("pose_source", &C::pose_source, base::one_of<PoseSource>(), "",
       "auto takes the recording's poses where it has them, and LiDAR odometry otherwise");

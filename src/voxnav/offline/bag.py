@@ -31,9 +31,10 @@ class Bag:
         self.T_B_L, self.origin_m = self.plan.mount.T_B_L, self.plan.origin_m
         self.has_poses = self.plan.odometry is not None
         self.has_imu = self.plan.imu is not None
-        self.further = [MountedSensor(sensor.what, sensor.T_B_L) for sensor in self.plan.further]
+        self.topic = self.plan.cloud.name
+        self.further = [MountedSensor(sensor.what, sensor.T_B_L, sensor.topic.name) for sensor in self.plan.further]
         self.num_scans = self.plan.cloud.topic.num + sum(sensor.topic.topic.num for sensor in self.plan.further)
-        self.warnings = list(self.plan.warnings)
+        self.warnings = [warning.what for warning in self.plan.warnings]
 
     def close(self) -> None:
         self._files.close()

@@ -8,7 +8,7 @@ import sys
 from typing import Sequence
 
 import voxnav
-from voxnav.offline.configs import given_mount, load_files, options_of, take_clouds
+from voxnav.offline.configs import given_mount, load_files, options_of
 from voxnav.recordings.bag_files import BagFiles
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.page import page
@@ -20,7 +20,8 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="check_recording", description=__doc__, epilog="Exit status: 0 without "
                                      "problems, 3 with some, 1 when nothing can be mapped.")
     parser.add_argument("bag", nargs="+", help="rosbags of one recording")
-    parser.add_argument("--cloud", metavar="TOPIC", action="append", help="as for map_bag")
+    parser.add_argument("--cloud", metavar="[NAME=]TOPIC", action="append", help="as for map_bag")
+    parser.add_argument("--depth-camera", metavar="[NAME=]TOPIC", action="append", help="as for map_bag")
     parser.add_argument("--mount", metavar="'X Y Z ROLL PITCH YAW'", help="where the LiDAR sits on the body, in metres "
                         "and radians; without: as the configuration or the transforms of the bag say")
     parser.add_argument("--config", metavar="YAML", help="as for map_bag")
@@ -30,8 +31,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     try:
-        configs = load_files(args.config)
-        take_clouds(args.cloud, configs["run"])
+        configs = load_files(args.config, args.cloud, args.depth_camera)
         files = BagFiles(args.bag)
         try:
             plan = RecordingPlan(files, options_of(configs, given_mount(args.mount, configs["run"])))

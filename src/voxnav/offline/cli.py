@@ -15,10 +15,11 @@ import voxnav
 from voxnav import files
 from voxnav.array_types import Array
 from voxnav.offline.bag import Bag
-from voxnav.offline.configs import given_mount, load_files, options_of, take_clouds
+from voxnav.offline.configs import given_mount, load_files, options_of
 from voxnav.offline.datasets import ScanFolder
 from voxnav.offline.outputs import write_outputs
 from voxnav.offline.runner import OfflineMapper
+from voxnav.offline.sensors import MountedSensor
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.left_out import REPEATED
 from voxnav.recordings.page import page
@@ -55,8 +56,11 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--scans", metavar="DIR", help="instead of bags: folder with scans/%%06d.bin and times.txt")
     parser.add_argument("--poses", metavar="FILE",
                         help="with --scans: TUM poses of the sensor; without: LiDAR odometry")
-    parser.add_argument("--cloud", metavar="TOPIC", action="append", help="topic of the clouds of a LiDAR; may be "
-                        "given several times: all are mapped, and LiDAR odometry follows the first")
+    parser.add_argument("--cloud", metavar="[NAME=]TOPIC", action="append", help="topic of the clouds of a LiDAR; may "
+                        "be given several times: all are mapped, and LiDAR odometry follows the first. A sensor with a "
+                        "name may have sections of its own in the configuration, as docs/sensors.md tells")
+    parser.add_argument("--depth-camera", metavar="[NAME=]TOPIC", action="append", help="topic of the depth images of "
+                        "a camera, with its camera_info beside them; may be given several times")
     parser.add_argument("--mount", metavar="'X Y Z ROLL PITCH YAW'", help="where the LiDAR sits on the body, in metres "
                         "and radians; without: as run/mount_source says, which is as the transforms of the bag do")
     parser.add_argument("--reference", metavar="FILE", help="TUM trajectory to measure errors against")
@@ -97,14 +101,13 @@ def _map(dataset: ScanFolder | Bag, mapper: OfflineMapper) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    configs = load_files(args.config)
-    take_clouds(args.cloud, configs["run"])
+    configs = load_files(args.config, args.cloud, args.depth_camera)
     dataset, T_B_L = _dataset(args, configs)
     reference = None
     if args.reference:
         stamps, poses = files.read_tum(args.reference)
         reference = (stamps, poses[:, :3, 3])
-    mapper = OfflineMapper(configs, T_B_L, dataset.has_poses, dataset.further)
+    mapper = OfflineMapper(configs, MountedSensor("cloud", T_B_L, dataset.topic), dataset.has_poses, dataset.further)
     if dataset.has_imu:
         mapper.expect_imu()
     mapper.origin_m = dataset.origin_m

@@ -11,6 +11,7 @@ import yaml
 import voxnav
 from voxnav.array_types import Array, ArrayLike
 from voxnav.demo.mission import repository_file
+from voxnav.offline.sensor_configs import SensorConfigs, SensorSections, SensorTopic, put_topics
 from voxnav.recordings.plan import BagOptions
 
 SECTIONS: Dict[str, Any] = {
@@ -47,8 +48,12 @@ def load_configs(tree: Any) -> dict[str, Any]:
             configs[name] = config_class.from_dict(values)
         except voxnav.ConfigError as error:
             problems += ["%s/%s" % (name, line) for line in str(error).splitlines()]
-    unknown = [key for key in tree if key not in SECTIONS]
-    problems += ["%s: unknown section, known are %s" % (key, ", ".join(SECTIONS)) for key in unknown]
+    sensors = SensorSections(tree, configs.get("run") or voxnav.OfflineConfig())
+    configs["sensors"], configs["other_sensor"] = sensors.configs(), sensors.common()
+    problems += [problem for problem in sensors.problems if problem not in problems]
+    known = list(SECTIONS) + sorted(sensors.sections)
+    unknown = [key for key in tree if key not in known]
+    problems += ["%s: unknown section, known are %s" % (key, ", ".join(known)) for key in unknown]
     if problems:
         raise voxnav.ConfigError("\n".join(problems))
     return configs
@@ -66,14 +71,16 @@ def _tree_of(path: str) -> dict[str, Any]:
     return tree
 
 
-def load_files(path: str | None) -> dict[str, Any]:
+def load_files(path: str | None, clouds: Sequence[str] | None = None,
+               cameras: Sequence[str] | None = None) -> dict[str, Any]:
     """Returns the configuration of config/map_bag.yaml, in which a file of the user may replace values.
 
-    Raises ConfigError.
+    clouds, cameras: TOPIC or NAME=TOPIC of the sensors that the user gives. Raises ConfigError.
     """
     tree = _tree_of(repository_file("config/map_bag.yaml"))
     for section, values in (_tree_of(path) if path else {}).items():
         tree[section] = dict(tree.get(section) or {}, **(values or {})) if isinstance(values, dict) else values
+    put_topics(tree, clouds, cameras)
     return load_configs(tree)
 
 
@@ -119,12 +126,16 @@ def given_mount(words: str | None, settings: Any) -> Array | None:
 def options_of(configs: dict[str, Any], T_B_L: Array | None) -> BagOptions:
     """Returns the options for reading a bag."""
     settings = configs["run"]
-    return BagOptions(settings.cloud_topic, settings.odometry_topic, settings.imu_topic, T_B_L, settings.pose_source,
-                      configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s,
-                      tuple(settings.further_cloud_topics))
+    cameras = [SensorTopic.of(text).topic for text in settings.depth_camera_topics]
+    return BagOptions(
+        SensorTopic.of(settings.cloud_topic).topic, settings.odometry_topic, settings.imu_topic, T_B_L,
+        settings.pose_source, configs["odometry"].use_imu, configs["mapper"].max_pose_gap_s,
+        further_cloud_topics=tuple(SensorTopic.of(text).topic for text in settings.further_cloud_topics),
+        depth_cameras=tuple((topic, configs["sensors"][topic.lstrip("/")].depth) for topic in cameras),
+        odometry_frame=settings.odometry_frame)
 
 
-def take_clouds(topics: Sequence[str] | None, settings: Any) -> None:
-    """Sets the topics of clouds that somebody gives, the LiDAR first. None leaves the configured ones."""
-    if topics:
-        settings.cloud_topic, settings.further_cloud_topics = topics[0], list(topics[1:])
+def sensor_configs(configs: dict[str, Any], topic: str) -> SensorConfigs:
+    """Returns the configuration of the sensor on a topic."""
+    found: SensorConfigs = configs["sensors"].get(topic.lstrip("/"), configs["other_sensor"])
+    return found

@@ -4,7 +4,7 @@
 A dataset iterates over ``Imu``, ``Odometry`` and ``Scan`` records, each scan after the other records of its sweep. It
 has ``num_scans`` for the progress bar, and the flags ``has_poses`` and ``has_imu``. ``warnings`` lists faults that do
 not prevent mapping, ``left_out`` counts messages that were not used, and ``origin_m`` was subtracted from its positions
-(None: nothing was).
+(None: nothing was). ``topic`` and ``further`` say which sensors its scans are of.
 """
 
 from __future__ import annotations
@@ -75,6 +75,7 @@ class ScanFolder:
         self._poses = self._poses_at(poses) if poses else [None] * len(self._names)
         self.num_scans = len(self._names)
         self.has_poses = poses is not None
+        self.topic = ""
         self.further: list[Any] = []  # it has one sensor
         self.has_imu = False
 

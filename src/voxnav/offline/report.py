@@ -71,7 +71,7 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
             for name, s in sorted(stages.items())]
     counts = [[key, value] for key, value in sorted(metrics["counts"].items())]
     errors = [[key, "%.3f m" % value] for key, value in sorted(metrics.get("errors", {}).items())]
-    parts = [head(title)]
+    parts = [head(title), paragraph(metrics["coverage"]["sentence"])]
     if metrics["recording"]:
         parts += [section("The recording"), preformatted("\n".join(metrics["recording"]))]
     parts += [section("Map and trajectory"), image(map_figure(occupied, odometry, optimised, reference))]
@@ -83,8 +83,7 @@ def write_report(path: str, title: str, metrics: dict[str, Any], occupied: Array
     if metrics["memory"]:
         parts += [section("Memory"), image(memory_figure(metrics["memory"]))]
     parts += [section("Counts"), table(counts, ("what", "number"))]
-    parts += [section("What was left out"), paragraph(metrics["coverage"]["sentence"]),
-              bullets(metrics["left_out_lines"] or ["nothing"])]
+    parts += [section("What was left out"), bullets(metrics["left_out_lines"] or ["nothing"])]
     warnings = [warning for warning in metrics["warnings"] if warning not in metrics["left_out_lines"]]
     if warnings:
         parts += [section("Warnings"), bullets(warnings)]

@@ -11,6 +11,7 @@ import numpy as np
 
 import voxnav
 from voxnav.array_types import Array
+from voxnav.offline.configs import sensor_configs
 from voxnav.offline.coverage import Coverage
 from voxnav.offline.datasets import MAX_WARNINGS, Imu, Odometry, Scan
 from voxnav.offline.pose_gaps import PoseGaps, TrackedPose
@@ -58,17 +59,17 @@ class OfflineMapper:
     """One mapping run. ``configs``: dict of configuration objects by section, see ``voxnav.offline.configs``.
 
     Frames: O is the origin of the input poses, B the body; the poses of submaps are in W, the corrected frame.
-    T_B_L: (4, 4) mount of the LiDAR. has_poses: whether the recording has poses; else LiDAR odometry estimates them.
-    further: other sensors whose scans are mapped, too.
+    lidar: the sensor that LiDAR odometry follows. has_poses: whether the recording has poses; else LiDAR odometry
+    estimates them. further: other sensors whose scans are mapped, too.
     """
 
-    def __init__(self, configs: dict[str, Any], T_B_L: Array, has_poses: bool,
+    def __init__(self, configs: dict[str, Any], lidar: MountedSensor, has_poses: bool,
                  further: Sequence[MountedSensor] = ()) -> None:
         source = configs["run"].pose_source
         self._uses_odometry = source == voxnav.PoseSource.LIDAR or (source == voxnav.PoseSource.AUTO and not has_poses)
         self._assembler = voxnav.SubmapAssembler(configs["submap"])
-        self.sensors = [SensorInput(number, sensor, configs)
-                        for number, sensor in enumerate([MountedSensor("cloud", T_B_L)] + list(further))]
+        self.sensors = [SensorInput(number, sensor, sensor_configs(configs, sensor.topic))
+                        for number, sensor in enumerate([lidar] + list(further))]
         T_B_L = self.sensors[0].T_B_L
         # With "auto" the recorded poses are used, and LiDAR odometry fills their gaps. Without any it gives all poses.
         covers_gaps = source == voxnav.PoseSource.AUTO and not self._uses_odometry
@@ -93,7 +94,7 @@ class OfflineMapper:
         out: voxnav.MapperConfig = configs["mapper"]
         out.map, out.submap = configs["map"], configs["schedule"]
         out.odometry = configs["odometry"] if self._uses_odometry else None
-        out.sensors = [voxnav.SensorConfig() for _ in self.sensors]
+        out.sensors = [sensor.limits for sensor in self.sensors]
         return out
 
     @property
@@ -188,6 +189,9 @@ class OfflineMapper:
                 self._warn("map cleared at %.6f: %s" % (step.stamp, step.map_cleared))
             if step.fate == voxnav.SweepFate.MAPPED:
                 self._note(step)
+            elif step.fate == voxnav.SweepFate.SURPLUS:
+                # It is left out on purpose, so that the map covers its time without it.
+                self.left_out.add(self.sensors[step.sensor].what, step.reason, int(1e9 * step.stamp))
             else:
                 self.counts["scans_without_pose"] += 1
                 self._leave_out(self.sensors[step.sensor], step.stamp, step.reason)

@@ -11,27 +11,31 @@ import voxnav
 from voxnav.array_types import Array
 from voxnav.offline.coverage import Coverage
 from voxnav.offline.datasets import Scan
+from voxnav.offline.sensor_configs import SensorConfigs
 from voxnav.recordings.cloud_samples import layout_of
 
 
 class MountedSensor(NamedTuple):
-    """what: how its clouds are called where they are left out; T_B_L: (4, 4) pose of the sensor on the body."""
+    """what: how its clouds are called where they are left out; T_B_L: (4, 4) pose of the sensor on the body;
+    topic: that of its messages, empty if its scans are files."""
 
     what: str
     T_B_L: Array
+    topic: str = ""
 
 
 class SensorInput:
     """The filters of one sensor, and how much of what it recorded was mapped. number: see Sweep.sensor."""
 
-    def __init__(self, number: int, sensor: MountedSensor, configs: dict[str, Any]) -> None:
+    def __init__(self, number: int, sensor: MountedSensor, configs: SensorConfigs) -> None:
         self.number, self.what = number, sensor.what
         self.T_B_L = voxnav.as_sent(np.ascontiguousarray(sensor.T_B_L))
         self.T_L_B = np.linalg.inv(self.T_B_L)
         self.coverage = Coverage()
-        self.filter = voxnav.CloudFilter(configs["filter"])
-        self._pcl_filters = voxnav.make_pcl_filters(configs["pcl"])
-        self._open_beams = voxnav.OpenBeams(configs["open_beams"]) if configs["open_beams"].is_enabled else None
+        self.limits = configs.limits
+        self.filter = voxnav.CloudFilter(configs.filter)
+        self._pcl_filters = voxnav.make_pcl_filters(configs.pcl)
+        self._open_beams = voxnav.OpenBeams(configs.open_beams) if configs.open_beams.is_enabled else None
 
     def sweep(self, scan: Scan, time: Callable[[str], ContextManager[None]]) -> tuple[voxnav.FilterResult, Any]:
         """Filters a scan. Returns the FilterResult and the Sweep. time: see Stages. Raises ValueError saying what is

@@ -15,7 +15,7 @@ import numpy as np
 
 from voxnav.array_types import Array
 from voxnav.recordings.bag_index import BagIndex
-from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.errors import DatasetError, Problem
 from voxnav.recordings.left_out import LeftOut
 
 
@@ -86,11 +86,11 @@ def _repaired(path: str) -> tuple[Any, str]:
 class BagFiles:
     """The bags of one recording, given in any order. Damaged messages are left out and counted in ``left_out``.
 
-    warnings: sentences on damaged files. Raises DatasetError naming the file that cannot be read.
+    warnings: what is wrong with the files. Raises DatasetError naming the file that cannot be read.
     """
 
     def __init__(self, paths: Sequence[str]) -> None:
-        self.warnings: list[str] = []
+        self.warnings: list[Problem] = []
         self.left_out = LeftOut()
         self._bags: list[Any] = []
         self._indexes: list[BagIndex] = []
@@ -116,14 +116,18 @@ class BagFiles:
             bag, copy = _repaired(path)
             self._bags.append(bag)
             self._copies.append(weakref.finalize(self, os.unlink, copy))
-            self.warnings.append("%s was not closed properly (truncated?); mapped what is intact" % path)
+            self.warnings.append(Problem(
+                "%s was not closed properly (truncated?); what is intact is used" % path,
+                "copy it again if the copy was interrupted; `rosbag reindex` makes a bag of it that opens faster; end "
+                "recordings with Ctrl-C, and wait until the file has lost the ending .active"))
         except Exception as error:  # the reader fails in many ways on damaged bytes
             raise DatasetError("%s: not a readable bag: %s" % (path, error))
         try:
             self._indexes.append(BagIndex(self._bags[-1]))
         except Exception as error:  # rosbag reads the index only on the first access
             raise DatasetError("%s: its index cannot be read: %s" % (path, error))
-        self.warnings += self._indexes[-1].notes
+        self.warnings += [Problem(note, "set the clock before recording begins; the times of this recording are mended")
+                          for note in self._indexes[-1].notes]
 
     def close(self) -> None:
         for bag in self._bags:

@@ -8,11 +8,23 @@ from typing import Callable, List, NamedTuple
 import numpy as np
 
 from voxnav.recordings.cloud_samples import LIDAR_FIELDS
+from voxnav.recordings.depth_images import IMAGE
 from voxnav.recordings.errors import DatasetError
 from voxnav.recordings.survey import CLOUD, IMU, ODOMETRY, Survey, TopicSurvey
 
 # Clouds with a longer reach or more points than this are not preferred to each other.
 _FAR_M, _MANY_POINTS = 30.0, 20_000
+
+# What to do with messages of other types, from which clouds can be made.
+_LIVOX = ("messages on {topic} are those of a Livox driver: play the bag beside the node livox_cloud, and record the "
+          "clouds that it makes (docs/sensors.md)")
+_RAW = ("messages on {topic} are the raw data of a sensor: play the bag beside the driver of the sensor, and record "
+        "the clouds that it makes")
+_WITHOUT_CLOUDS = {
+    IMAGE: "if the images on {topic} are depths, map them with --depth-camera {topic}",
+    "livox_ros_driver/CustomMsg": _LIVOX, "livox_ros_driver2/CustomMsg": _LIVOX,
+    "velodyne_msgs/VelodyneScan": _RAW, "ouster_ros/PacketMsg": _RAW, "ouster_sensor_msgs/PacketMsg": _RAW,
+    "rslidar_msgs/rslidarScan": _RAW, "pandar_msgs/PandarScan": _RAW, "hesai_lidar/PandarScan": _RAW}
 
 
 class Choice(NamedTuple):
@@ -32,8 +44,8 @@ def choose(survey: Survey, kind: str, wanted: str, score: Callable[[TopicSurvey]
     if wanted:
         named = [topic for topic in found if topic.name.lstrip("/") == wanted.lstrip("/")]
         if not named:
-            raise DatasetError("no messages of type %s on %s; the bag has %s" % (
-                kind, wanted, [topic.name for topic in found] or "none"))
+            raise DatasetError("no messages of type %s on %s" % (kind, wanted), "the bag has them on %s" % (
+                ", ".join(topic.name for topic in found) or "no topic"))
         return Choice(named[0], "%s, as configured (%s)" % (named[0].name, figures(named[0])))
     if not found:
         return Choice(None, "none in the recording")
@@ -96,10 +108,19 @@ class CloudFigures:
         return ", ".join(words)
 
 
+def _hint_without_clouds(survey: Survey) -> str:
+    """Returns what may help with a recording without clouds."""
+    for name, topic in sorted(survey.all_topics.items()):
+        if topic.kind in _WITHOUT_CLOUDS:
+            return _WITHOUT_CLOUDS[topic.kind].format(topic=name)
+    return "record the topic on which the driver of the LiDAR publishes its clouds"
+
+
 def choose_cloud(survey: Survey, wanted: str) -> Choice:
     """Chooses the topic of the LiDAR. Raises DatasetError if the recording has no clouds."""
     if not survey.of_kind(CLOUD):
-        raise DatasetError("the bag has no %s; its topics are %s" % (CLOUD, sorted(survey.all_topics)))
+        raise DatasetError("the bag has no %s; its topics are %s" % (
+            CLOUD, ", ".join(sorted(survey.all_topics)) or "none"), _hint_without_clouds(survey))
     return choose(survey, CLOUD, wanted, lambda topic: CloudFigures(topic, survey).score(),
                   lambda topic: CloudFigures(topic, survey).words())
 
@@ -116,7 +137,8 @@ def _is_mounted(survey: Survey, frame: str, cloud: TopicSurvey) -> bool:
 
 def _partner_words(topic: TopicSurvey, cloud: TopicSurvey, frame: str) -> str:
     rate = "%.0f Hz" % topic.rate_hz if topic.rate_hz else "one message"
-    return "%s, of '%s', %.0f %% of the clouds' time" % (rate, frame, 100.0 * _overlap(topic, cloud))
+    of = "of '%s'" % frame if frame else "without the name of a frame"
+    return "%s, %s, %.0f %% of the clouds' time" % (rate, of, 100.0 * _overlap(topic, cloud))
 
 
 def choose_odometry(survey: Survey, wanted: str, cloud: TopicSurvey) -> Choice:

@@ -9,6 +9,8 @@ import numpy as np
 
 from voxnav.array_types import Array
 
+ALONE = "its pose is alone, far from those before and after"  # the reason for which a pose is left out
+
 # No vehicle moves or rotates faster than this between two poses.
 _MAX_SPEED_MPS, _MAX_RATE_RADPS = 100.0, 50.0
 

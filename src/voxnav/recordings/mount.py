@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from voxnav.array_types import Array
-from voxnav.recordings.errors import DatasetError
+from voxnav.recordings.errors import DatasetError, Problem
 from voxnav.recordings.survey import Survey, TopicSurvey
 
 _WITHOUT_IMU = "; or leave the IMU out with odometry/use_imu: false"
@@ -27,7 +27,7 @@ class Mount(NamedTuple):
     R_B_I: Array | None
     body: str
     how: str
-    notes: list[str]
+    notes: list[Problem]
 
 
 def find_mount(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None, imu: TopicSurvey | None,
@@ -36,7 +36,7 @@ def find_mount(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None,
 
     T_B_L: (4, 4) mount that the user gives; None takes it from the transforms of the recording. Raises DatasetError.
     """
-    notes: list[str] = []
+    notes: list[Problem] = []
     body = _body_frame(survey, cloud, odometry, imu, notes)
     how = "as given"
     if T_B_L is None and odometry is None and imu is None:
@@ -64,8 +64,9 @@ def find_further_mount(survey: Survey, cloud: TopicSurvey, other: TopicSurvey, m
         known = survey.frames.frames()
         raise DatasetError(
             "nothing says where the sensor of %s sits: there is no chain of transforms that do not move from '%s' "
-            "(frame of the clouds on %s) to '%s'; frames on /tf and /tf_static: %s; record these transforms, or leave "
-            "the topic out" % (other.name, cloud.frame, cloud.name, other.frame, ", ".join(known) if known else "none"))
+            "(frame of the clouds on %s) to '%s'; frames on /tf and /tf_static: %s" % (
+                other.name, cloud.frame, cloud.name, other.frame, ", ".join(known) if known else "none"),
+            "record these transforms, or leave the topic out")
     return mount.T_B_L @ chain.T_A_B, "transforms " + " -> ".join(chain.frames)
 
 
@@ -76,7 +77,7 @@ def _source_of(odometry: TopicSurvey | None, imu: TopicSurvey | None) -> str:
 
 
 def _body_frame(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None, imu: TopicSurvey | None,
-                notes: list[str]) -> str:
+                notes: list[Problem]) -> str:
     if odometry is None:
         return cloud.frame if imu is None else imu.frame
     if odometry.child:
@@ -86,8 +87,11 @@ def _body_frame(survey: Survey, cloud: TopicSurvey, odometry: TopicSurvey | None
     body = survey.frames.root(below[0] if below else cloud.frame)
     if body == cloud.frame and cloud.frame not in survey.frames.frames():
         return ""
-    notes.append("the odometry on %s does not name its body (child_frame_id is empty): it is taken to be '%s', the "
-                 "root of the frames below which the LiDAR sits" % (odometry.name, body))
+    notes.append(Problem(
+        "the odometry on %s does not name its body (child_frame_id is empty): it is taken to be '%s', the root of the "
+        "frames below which the LiDAR sits" % (odometry.name, body),
+        "if that is right, nothing; else give where the LiDAR sits on the body with --mount, and let the node that "
+        "publishes the odometry set child_frame_id"))
     return body
 
 
@@ -100,8 +104,8 @@ def _lidar_on_body(survey: Survey, cloud: TopicSurvey, body: str, odometry: Topi
         survey.see_all_frames()
         chain = survey.frames.chain(body, cloud.frame)
     if chain is None:
-        text = _unknown(survey, cloud, body, _source_of(odometry, imu))
-        raise DatasetError(text + (_WITHOUT_IMU if odometry is None else ""))
+        raise DatasetError(_unknown(survey, cloud, body, _source_of(odometry, imu)),
+                           HOW_TO_SET + (_WITHOUT_IMU if odometry is None else ""))
     return chain.T_A_B, "transforms " + " -> ".join(chain.frames)
 
 
@@ -112,8 +116,7 @@ def _unknown(survey: Survey, cloud: TopicSurvey, body: str, source: str) -> str:
     if moving:
         text += "; on the way " + " and ".join("'%s' moves against '%s'" % (b, a) for a, b in moving)
     known = survey.frames.frames()
-    text += "; frames on /tf and /tf_static: %s" % (", ".join(known) if known else "none")
-    return text + "; " + HOW_TO_SET
+    return text + "; frames on /tf and /tf_static: %s" % (", ".join(known) if known else "none")
 
 
 def _imu_on_body(survey: Survey, cloud: TopicSurvey, body: str, imu: TopicSurvey, T_B_L: Array) -> Array | None:

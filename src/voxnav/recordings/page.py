@@ -63,7 +63,7 @@ def _topic_words(plan: RecordingPlan, what: str, topic: TopicSurvey) -> str:
     name = {"cloud": "clouds"}.get(what, what)
     frame = "'%s'" % topic.frame if topic.frame else "no frame"
     if topic is plan.odometry:
-        frame = "%s to '%s'" % (frame, topic.child)
+        frame = "%s to %s" % (frame, "'%s'" % topic.child if topic.child else "a body without a name")
     return "%s; %d messages, %s" % (plan.why[name], topic.topic.num, frame)
 
 

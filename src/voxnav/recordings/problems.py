@@ -3,26 +3,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 import voxnav
 from voxnav.recordings.clocks import TopicClock
+from voxnav.recordings.depth_images import IMAGE
+from voxnav.recordings.errors import Problem
 from voxnav.recordings.left_out import LeftOut
 from voxnav.recordings.plan import RecordingPlan, clock_distance_s
 from voxnav.recordings.survey import TopicSurvey
 
+_USE_OF_OTHERS = "nothing: the others are used; if there are many, see the node that sends them"
 # Topics with a longer period have too few messages in a window to judge their stamps.
 _SLOW_PERIOD_S = 0.3
 _GRAVITY_MPS2 = 9.81
-
-
-class Problem(NamedTuple):
-    """A problem and its remedy as sentences; to_do is empty if nothing can be done about it."""
-
-    what: str
-    to_do: str = ""
 
 
 def used_topics(plan: RecordingPlan) -> list[tuple[str, TopicSurvey]]:
@@ -34,16 +28,27 @@ def used_topics(plan: RecordingPlan) -> list[tuple[str, TopicSurvey]]:
 
 def problems_of(plan: RecordingPlan) -> list[Problem]:
     """Returns all problems; one that prevents mapping comes first."""
-    out = [Problem(plan.error)] if plan.error else []
-    out += [Problem(warning) for warning in plan.warnings]
+    out = [plan.failure.problem] if plan.failure else []
+    out += plan.warnings
     for what, topic in used_topics(plan):
-        out += _clock_problems(plan, what, topic) + _gap_problems(plan, what, topic)
+        out += _faults(topic) + _clock_problems(plan, what, topic) + _gap_problems(plan, what, topic)
     if plan.cloud is not None:
         out += _cloud_problems(plan.cloud) + _imu_problems(plan, plan.cloud)
     for sensor in plan.further:
         out += [Problem("%s: %s" % (sensor.topic.name, each.what), each.to_do)
                 for each in _cloud_problems(sensor.topic)]
     return out
+
+
+def _faults(topic: TopicSurvey) -> list[Problem]:
+    """Returns what is wrong with single messages: they cannot be read, or are of another frame than the others."""
+    usual = {"frame": topic.frame, "body": topic.child}
+    others = [("its %s is '%s', that of the others '%s'" % (what, name, usual[what]), num)
+              for what, names in (("frame", topic.frames), ("body", topic.children))
+              for name, num in names.items() if name != usual[what]]
+    return [Problem("%s: %d of %d messages that were looked at cannot be used: %s" % (
+        topic.name, num, len(topic.stamps_ns), text), _USE_OF_OTHERS)
+        for text, num in (list(topic.faults.items()) + others)[:5]]
 
 
 def _clock_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Problem]:
@@ -57,7 +62,7 @@ def _clock_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[
             pass
     for _ in clock.end():
         pass
-    found = [Problem("%s: %s" % (topic.name, line), "nothing: the others are used") for line in left_out.lines()[:5]]
+    found = [Problem("%s: %s" % (topic.name, line), _USE_OF_OTHERS) for line in left_out.lines()[:5]]
     found += [Problem("%s: %s" % (topic.name, note), "let the clock be set before recording begins")
               for note in clock.notes[:5]]
     if topic.offset_ns is None and topic.stamps_ns:
@@ -81,14 +86,13 @@ def _gap_problems(plan: RecordingPlan, what: str, topic: TopicSurvey) -> list[Pr
 
 
 def _cloud_problems(cloud: TopicSurvey) -> list[Problem]:
-    bad = [sample for sample in cloud.clouds if sample.problem is not None]
+    if cloud.topic.kind == IMAGE:
+        return []  # its pixels are of one time
     out = []
-    if bad:
-        out.append(Problem("%d of %d clouds that were looked at cannot be read: %s" % (
-            len(bad), len(cloud.clouds), bad[0].problem), "they are left out; see the driver's settings"))
     times = cloud.times.report
     if times.problem:
-        out.append(Problem(times.problem, "see the driver's settings; motion within these sweeps is not undone"))
+        out.append(Problem(times.problem, "let the driver write the time of each point (its settings for time "
+                           "stamps); until then, slow flights make better maps"))
     if cloud.clouds and times.state == voxnav.TimesState.NO_FIELD:
         out.append(Problem("the points bear no times: motion within a sweep cannot be undone",
                            "record the driver's own topic, with its field for time (t, time, timestamp)"))
@@ -99,16 +103,17 @@ def _imu_problems(plan: RecordingPlan, cloud: TopicSurvey) -> list[Problem]:
     if plan.odometry is not None:
         return []
     if plan.imu is None:
-        return [Problem("there is neither odometry nor an IMU: nothing tells where down is",
+        return [Problem("there is neither odometry that can be used nor an IMU: nothing tells where down is",
                         "record the LiDAR's own IMU; until then the map is as level as the LiDAR was at the beginning")]
     out = []
     apart_s = clock_distance_s(plan.imu, cloud)
     if apart_s > 1.0:
         out.append(Problem("the clocks of %s and %s are %.1f s apart" % (plan.imu.name, cloud.name, apart_s),
-                           "let both be stamped by one clock (PTP, or the time of reception); the IMU is of no use so"))
+                           "let both be stamped by one clock (PTP, or the time of reception); until then the IMU is "
+                           "of no use"))
     if imu_unit(plan.imu) is None:
         out.append(Problem("the accelerations on %s are neither of m/s^2 nor of g: their size is %.3g" % (
-            plan.imu.name, force_size(plan.imu)), "see the driver's settings; only their direction is used"))
+            plan.imu.name, force_size(plan.imu)), "see the settings of its driver; only their direction is used"))
     return out
 
 

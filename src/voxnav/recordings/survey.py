@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any, Dict, Iterator, List, NamedTuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,10 @@ from voxnav.array_types import Array
 from voxnav.recordings import cloud_samples
 from voxnav.recordings.bag_files import TF_TOPICS, BagFiles, RawMessage, Topic, frame_name
 from voxnav.recordings.clocks import clock_offsets_ns
+from voxnav.recordings.depth_images import DepthImages
 from voxnav.recordings.frames import FrameGraph
 from voxnav.recordings.left_out import LeftOut
+from voxnav.recordings.lone_poses import ALONE, LonePoses, Posed
 
 CLOUD, ODOMETRY, IMU = "sensor_msgs/PointCloud2", "nav_msgs/Odometry", "sensor_msgs/Imu"
 KINDS = (CLOUD, ODOMETRY, IMU)
@@ -25,7 +27,8 @@ _BEGIN_S, _WINDOW_S, _NUM_WINDOWS = 3.0, 1.0, 10
 _MAX_TF_MESSAGES = 20_000
 # The number of clouds of each topic that are read; the windows of a large recording give no more.
 _NUM_CLOUDS = 16
-_MAX_POSES = 5_000
+MAX_POSES = 5_000
+_MAX_FAULTS = 10
 _MIN_GAP_S = 0.3  # a shorter time between messages is no gap, even if it is several of their periods
 
 
@@ -51,6 +54,8 @@ class TopicSurvey:
         self.stamps_ns: List[int] = []  # stamps of the messages that were read
         self.records_ns: List[int] = []
         self.poses: List[Any] = []  # positions (3,) of odometry
+        self.lone_poses = LonePoses()
+        self.faults: Counter[str] = Counter()  # why messages that were read are of no use, with their numbers
         self.forces: List[Any] = []  # accelerations (3,) of an IMU, from the beginning
         self.clouds: List[cloud_samples.CloudSample] = []
         self.times = voxnav.PointTimes()  # judges the point times of the clouds that were read
@@ -91,16 +96,21 @@ class TopicSurvey:
 
 
 class Survey:
-    """The topics of clouds, odometry and IMU by name, and the frames. left_out: counts of what could not be read."""
+    """The topics of clouds, odometry and IMU by name, and the frames. left_out: counts of what could not be read.
 
-    def __init__(self, files: BagFiles) -> None:
-        self.files = files
+    cameras: those whose depth images are looked at as well, by topic.
+    """
+
+    def __init__(self, files: BagFiles, cameras: Mapping[str, DepthImages]) -> None:
+        self.files, self._cameras = files, cameras
+        for camera in cameras.values():
+            camera.take_first_info(files)
         self.left_out = LeftOut()
         self.frames = FrameGraph()
         self.all_topics: Dict[str, Topic] = files.topics()
         self.topics: Dict[str, TopicSurvey] = {}
         for name, topic in sorted(self.all_topics.items()):
-            if topic.kind not in KINDS:
+            if topic.kind not in KINDS and name not in cameras:
                 continue
             record_ns = files.record_times_ns(name)
             if len(record_ns):
@@ -145,38 +155,52 @@ class Survey:
             yield from self.files.messages(list(self.topics), from_ns, until_ns)
 
     def _look_at(self, message: RawMessage) -> None:
-        """Adds a message to the figures. One that cannot be read is ignored here and counted by the mapping."""
+        """Adds a message to the figures. One that cannot be read is only counted."""
         topic = self.topics[message.topic]
         try:
             stamp_ns, frame = message.header()
             topic.frames[frame] += 1
             topic.stamps_ns.append(stamp_ns)
             topic.records_ns.append(message.record_ns)
-            if topic.topic.kind == ODOMETRY and len(topic.poses) < _MAX_POSES:
+            if topic.topic.kind == ODOMETRY and len(topic.poses) < MAX_POSES:
                 self._look_at_odometry(topic, message.make())
-            elif topic.topic.kind == IMU and len(topic.forces) < _MAX_POSES:
+            elif topic.topic.kind == IMU and len(topic.forces) < MAX_POSES:
                 force = message.make().linear_acceleration
                 topic.forces.append((force.x, force.y, force.z))
-            elif topic.topic.kind == CLOUD and self._is_wanted(topic):
+            elif topic.topic.kind == CLOUD:
                 self._look_at_cloud(topic, message.make(), stamp_ns)
-        except ValueError:
-            pass
+            elif topic.name in self._cameras and self._is_wanted(topic):
+                topic.clouds.append(cloud_samples.CloudSample(self._cameras[topic.name].cloud(message.make())))
+        except ValueError as error:
+            if len(topic.faults) < _MAX_FAULTS:
+                topic.faults[str(error)] += 1
 
-    @staticmethod
-    def _look_at_cloud(topic: TopicSurvey, msg: Any, stamp_ns: int) -> None:
-        topic.clouds.append(cloud_samples.CloudSample(msg))
-        topic.times.judge(msg.data, cloud_samples.layout_of(msg), stamp_ns)
+    def _look_at_cloud(self, topic: TopicSurvey, msg: Any, stamp_ns: int) -> None:
+        """Looks at the points of some clouds, and at the layout of all. Raises ValueError if a cloud cannot be read."""
+        layout = cloud_samples.layout_of(msg)
+        if self._is_wanted(topic):
+            topic.clouds.append(cloud_samples.CloudSample(msg))
+            topic.times.judge(msg.data, layout, stamp_ns)
+        problem = layout.problem(len(msg.data))
+        if problem:
+            raise ValueError(problem)
 
     def _is_wanted(self, topic: TopicSurvey) -> bool:
-        """Returns whether a cloud is read: the first ones in a row are, and then some of the rest."""
+        """Returns whether a cloud is read: the first ones in a row are, and then pairs among the rest.
+
+        Pairs show the time between sweeps, by which the unit of point times is judged.
+        """
         in_windows = int((_BEGIN_S + _NUM_WINDOWS * _WINDOW_S) * (topic.rate_hz or 0.0))
         seen, num_all = len(topic.stamps_ns), topic.topic.num if self.is_whole else in_windows
-        step = max(1, num_all // _NUM_CLOUDS)
-        return len(topic.clouds) < _NUM_CLOUDS and (seen <= _NUM_CLOUDS // 2 or seen % step == 0)
+        step = max(2, 2 * num_all // _NUM_CLOUDS)
+        return len(topic.clouds) < _NUM_CLOUDS and (seen <= _NUM_CLOUDS // 2 or seen % step < 2)
 
     @staticmethod
     def _look_at_odometry(topic: TopicSurvey, msg: Any) -> None:
         topic.children[frame_name(msg.child_frame_id)] += 1
         p, q = msg.pose.pose.position, msg.pose.pose.orientation
-        voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
+        T = voxnav.pose_from_quaternion((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
         topic.poses.append((p.x, p.y, p.z))
+        for _, off_m in topic.lone_poses.add(Posed(msg.header.stamp.to_nsec(), T, None)):
+            if off_m is not None:
+                topic.faults[ALONE] += 1
