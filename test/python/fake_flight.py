@@ -13,7 +13,7 @@ HOVER_S = 1.0
 
 
 class FakeFlight:
-    def __init__(self, truth, origin, start, known_range_m=20.0, T_W_O=None, **config):
+    def __init__(self, truth, origin, start, known_range_m=20.0, T_W_O=None, map_range_m=150.0, **config):
         """Places the vehicle in a world.
 
         truth: (nx, ny, nz) int8 states of the world; origin: its lowest corner in O; start: position in O.
@@ -25,7 +25,8 @@ class FakeFlight:
         self.known_range_m = known_range_m
         self.known = np.zeros_like(truth)
         self.T_W_O = np.eye(4) if T_W_O is None else T_W_O
-        self.map = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0, max_altitude_m=20.0))
+        self.map = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-5.0, max_altitude_m=20.0,
+                                                                   range_m=map_range_m))
         self.config = voxnav.PlanningManagerConfig(**config)
         self.manager = voxnav.PlanningManager(self.config, (-5.0, 20.0), self.map.view)
         search = voxnav.FlightSearchConfig(unknown_policy="penalise", unknown_cost=2.0, safety_distance_m=0.9,

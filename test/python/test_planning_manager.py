@@ -6,7 +6,7 @@ import pytest
 
 import voxnav
 from fake_flight import TICK_S, FakeFlight
-from voxnav.planning_manager import Means
+from voxnav.planning_manager import Means, Reason
 
 IDLE, PLANNING, MOVING = 0, 1, 2
 SIZE = (110, 50, 20)
@@ -272,13 +272,107 @@ def test_a_stop_on_the_ground_does_not_wait_for_a_hover():
     assert flight.fly(30.0, reached), flight.manager.status
 
 
-def test_goal_inside_an_obstacle_ends_near_it_with_a_reason():
+def given_up(flight):
+    return flight.manager.status.goal_W is None
+
+
+def reason(flight):
+    return flight.manager.status.because.reason
+
+
+def test_goal_inside_an_obstacle_ends_near_it_with_a_reason_after_two_plans():
     flight = started(world(((18.0, -2.0, -4.0), (20.0, 2.0, 4.0))), (19.0, 0.0, 0.0))
-    assert flight.fly(60.0, lambda f: f.manager.status["goal_W"] is None), flight.manager.status
+    assert flight.fly(60.0, given_up), flight.manager.status
     status = flight.manager.status
-    assert not status["is_goal_reached"]
+    assert not status["is_goal_reached"] and reason(flight) is Reason.GOAL_BLOCKED
     assert "goal cannot be reached" in status["reason"] and "obstacle" in status["reason"]
     assert 0.9 < np.linalg.norm(flight.position - (19.0, 0.0, 0.0)) < 4.0
+    assert flight.count("plan") == 2
+
+
+def test_a_goal_beside_the_vehicle_in_an_obstacle_is_refused_after_one_plan():
+    flight = started(world(((2.0, -1.0, -4.0), (3.0, 1.0, 4.0))), (2.4, 0.0, 0.0))
+    assert flight.fly(10.0, given_up), flight.manager.status
+    assert reason(flight) is Reason.GOAL_BLOCKED and flight.count("plan") <= 2
+
+
+def test_the_same_blocked_goal_gets_the_same_answer_from_everywhere():
+    sentences = set()
+    for start in ((0.0, 0.0, 0.0), (10.0, 7.0, 2.0), (30.0, -6.0, -1.0)):
+        flight = FakeFlight(world(((18.0, -2.0, -4.0), (20.0, 2.0, 4.0))), ORIGIN, start)
+        flight.look()
+        flight.tell()
+        for _ in range(3):
+            assert flight.manager.set_goal((19.0, 0.0, 0.0), None, flight.now) == ""
+            assert flight.fly(60.0, given_up), flight.manager.status
+            sentences.add((reason(flight), flight.manager.status.reason))
+    assert len(sentences) == 1, sentences
+
+
+def room(low, high):
+    """Returns a closed box of walls, 0.8 m thick."""
+    a, b = np.array(low), np.array(high)
+    boxes = []
+    for axis in range(3):
+        for end in (a, b):
+            p, q = a.copy(), b + 0.8
+            p[axis], q[axis] = end[axis], end[axis] + 0.8
+            boxes.append((p, q))
+    return boxes
+
+
+def test_a_goal_in_a_closed_room_is_answered():
+    flight = started(world(*room((14.0, -3.0, -3.6), (22.0, 4.0, 2.0))), (18.4, 0.6, -0.8))
+    assert flight.fly(60.0, given_up), flight.manager.status
+    assert reason(flight) is Reason.GOAL_ENCLOSED, flight.manager.status
+    assert flight.now - 100.0 < 20.0
+
+
+def test_a_goal_below_the_ground_is_answered_after_two_plans():
+    truth = world()
+    truth[:, :, :5] = 0
+    truth[:, :, 3:5] = 2  # the ground is at -2 m, and nothing below it is ever seen
+    flight = started(truth, (10.0, 0.0, -3.8))
+    assert flight.fly(30.0, given_up), flight.manager.status
+    assert reason(flight) is Reason.GOAL_BELOW_GROUND and flight.count("plan") == 2
+
+
+def test_a_goal_outside_the_map_is_flown_to_in_parts():
+    flight = FakeFlight(world(), ORIGIN, START, known_range_m=12.0, map_range_m=15.0)
+    flight.look()
+    flight.tell()
+    assert flight.manager.set_goal((36.0, 4.0, 0.0), None, flight.now) == ""
+    assert flight.fly(5.0, moving)
+    assert reason(flight) is Reason.GOAL_OUTSIDE_MAP, flight.manager.status
+    assert flight.fly(60.0, reached), flight.manager.status
+    assert flight.count("hover") == 0
+
+
+def test_a_goal_that_turns_out_to_be_blocked_is_answered_within_a_second():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 8.0)
+    assert reason(flight) is Reason.MOVING
+    flight.truth = world(((23.0, -2.0, -4.0), (27.0, 2.0, 4.0)))
+    flight.look()
+    assert flight.fly(1.0, lambda f: reason(f) is Reason.GOAL_BLOCKED), flight.manager.status
+    assert moving(flight), "it flies to the nearest place"
+    assert flight.fly(60.0, given_up) and reason(flight) is Reason.GOAL_BLOCKED
+
+
+def test_a_goal_that_changes_every_second_causes_no_hover_and_no_stop():
+    rng = np.random.RandomState(5)
+    flight = started(world(WALL), (25.0, 0.0, 0.0))
+    assert flight.fly(5.0, moving)
+    speeds = []
+    for _ in range(25):
+        goal = rng.uniform((0.0, -7.0, -1.0), (30.0, 7.0, 1.0))
+        flight.manager.set_goal(goal, None, flight.now)
+        flight.fly(1.0)
+        speeds.append(np.linalg.norm(flight.velocity))
+    assert flight.count("hover") == 0 and flight.clearance() > 0.5
+    assert np.median(speeds) > 1.0
+    assert flight.manager.set_goal((25.0, 4.0, 0.0), None, flight.now) == ""
+    assert flight.fly(60.0, reached), flight.manager.status
 
 
 def test_a_goal_a_little_too_near_to_an_obstacle_is_reached_within_its_tolerance():

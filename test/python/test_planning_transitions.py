@@ -14,8 +14,9 @@ from voxnav.planning_manager import (Because, Generate, Generated, Hover, Idle, 
 from voxnav.planning_manager import checking, flying, planning, stopping, stops, takeover, ways
 from voxnav.planning_manager.facts import Facts
 from voxnav.planning_manager.inputs import Control, Frames, Inputs, Prediction, Timed, Vehicle
-from voxnav.planning_manager.states import (Flight, Generating, Goal, Leads, OwnHover, Advance, Publishing,
-                                            Searching)
+from voxnav.planning_manager.progress import DEAD_END_M, GoalProgress
+from voxnav.planning_manager.states import Flight, Generating, Goal, Leads, OwnHover, Publishing, Searching
+from voxnav.planning_manager.verdicts import MEANINGS, Verdict
 
 NOW, JOB = 100.0, 7
 CONFIG = voxnav.PlanningManagerConfig()
@@ -46,7 +47,7 @@ def at_rest(now=NOW, **kwargs):
 
 
 def flight(begin_s=NOW - 0.5, is_to_goal=False, left_m=10.0, is_tracked=True):
-    leads = Leads(0.7, is_to_goal, left_m)
+    leads = Leads(0.7, is_to_goal, left_m, is_to_goal)
     return Flight(TRAJECTORY, begin_s, leads, GOAL.position_W, begin_s - 0.1, begin_s, is_tracked)
 
 
@@ -232,13 +233,38 @@ def test_a_job_that_does_not_answer_has_failed(job, words):
     assert isinstance(after, Planning) and after.plan_from_s == NOW + CONFIG.retry_interval_s
 
 
-def test_no_progress_gives_the_goal_up():
-    old = Advance(np.array([1.0, 0.0, 2.0]), NOW - CONFIG.stuck_time_s - 1.0)
+def test_no_progress_gives_the_goal_up_with_the_last_verdict():
+    old = GoalProgress(NOW - CONFIG.stuck_time_s - 1.0, 20.0)
     after, actions = planning.tick(planning_state(progress=old), at_rest())
     assert isinstance(after, Idle) and after.because.reason is Reason.STUCK and kinds(actions) == [Hover]
-    assert after.because.sentence == "stuck: for the test"
-    after, _ = planning.tick(planning_state(progress=old), at_rest(position=(3.0, 0.0, 2.0)))
-    assert after.progress.since_s == NOW
+    assert after.because.sentence == "stuck: no shorter way for 25 s: for the test"
+    enclosed = Verdict(Because(Reason.GOAL_ENCLOSED, "enclosed"), NOW, 3.0)
+    after, _ = planning.tick(planning_state(progress=old, verdict=enclosed), at_rest())
+    assert after.because is enclosed.because
+    closed = GoalProgress(NOW, 20.0, CONFIG.max_dead_ends)
+    after, _ = planning.tick(planning_state(progress=closed), at_rest())
+    assert after.because.sentence == "stuck: 20 ways were closed: for the test"
+
+
+def test_a_shorter_way_left_on_the_flown_trajectory_is_progress_and_motion_alone_is_not():
+    # 12 m of trajectory and 10 m beyond it are planned; 2 m of it are flown.
+    known = facts(position=(2.0, 0.0, 2.0))
+    flown = flight(begin_s=NOW - 1.0)
+    after, _ = planning.tick(moving_state(flight=flown, progress=GoalProgress(NOW - 9.0, 21.5)), known)
+    assert after.progress.since_s == NOW and after.progress.shortest_m == pytest.approx(20.0)
+    for shortest_m in (20.5, 12.0):
+        old = GoalProgress(NOW - 9.0, shortest_m)
+        after, _ = planning.tick(moving_state(flight=flown, progress=old), known)
+        assert after.progress is old
+
+
+def test_a_plan_that_is_much_longer_is_a_dead_end_and_begins_anew():
+    progress = GoalProgress(NOW).after_plan(30.0, NOW + 1.0)
+    assert progress == GoalProgress(NOW + 1.0, 30.0)
+    assert progress.after_plan(30.0 + DEAD_END_M, NOW + 2.0) is progress
+    detour = progress.after_plan(30.1 + DEAD_END_M, NOW + 2.0)
+    assert detour == GoalProgress(NOW + 2.0, 30.1 + DEAD_END_M, 1)
+    assert detour.after_plan(25.0, NOW + 3.0) == GoalProgress(NOW + 3.0, 25.0, 1)
 
 
 def test_a_plan_begins_where_the_vehicle_rests_or_where_it_will_be():
@@ -268,6 +294,9 @@ def test_no_plan_is_due_while_there_is_a_job_or_a_trajectory_to_the_goal():
     assert not planning.is_plan_due(moving_state(), facts())
     assert not planning.is_plan_due(moving_state(job=Searching(JOB, NOW, None)), later)
     to_goal = moving_state(flight=flight(is_to_goal=True))
+    news = facts(seen=view())
+    assert planning.is_plan_due(to_goal, news) and not planning.is_plan_due(moving_state(job=publishing()), news)
+    assert not planning.is_plan_due(replace(to_goal, goal_state=news.goal_state(GOAL)), news)
     assert not planning.is_plan_due(to_goal, later)
     moved = np.eye(4)
     moved[0, 3] = 1.0  # the graph has corrected the map, so that the goal is elsewhere in O
@@ -305,32 +334,96 @@ def test_a_way_that_leads_no_nearer_is_not_flown():
     assert kinds(planning.plan_done(poor, JOB, wall, facts())[1]) == [Generate]
 
 
-def blocked(status, path=((0.0, 0.0, 2.0),)):
+def blocked(status, path=((0.0, 0.0, 2.0),), waypoints=(), remaining_m=5.0):
     class Plan:
         pass
     result = Plan()
-    result.path = np.array(path).reshape(-1, 3)
+    result.path, result.remaining_m = np.array(path, dtype=float).reshape(-1, 3), remaining_m
 
     class Outcome:
-        waypoints_O, problem, plan = np.zeros((0, 3)), "no way", result
+        waypoints_O, problem, plan, is_to_goal = np.array(waypoints).reshape(-1, 3), "no way", result, False
     Outcome.status = status
     return Outcome()
 
 
+def test_every_status_of_a_search_has_a_meaning():
+    assert set(MEANINGS) == set(voxnav.PlanStatus)
+
+
 def test_a_search_without_a_way_is_tried_again():
-    after, actions = planning.plan_done(searching(), JOB, blocked(voxnav.PlanStatus.NO_PATH), at_rest())
+    after, actions = planning.plan_done(searching(), JOB, blocked(voxnav.PlanStatus.START_BLOCKED), at_rest())
     assert isinstance(after, Planning) and not actions and after.because == Because(Reason.PLAN_FAILED, "no way")
+    assert after.verdict is None
     after, _ = planning.plan_done(searching(moving_state), JOB, blocked(voxnav.PlanStatus.NO_PATH), facts())
-    assert isinstance(after, Moving) and after.plan_from_s == NOW + CONFIG.retry_interval_s
+    assert isinstance(after, Moving) and after.plan_from_s == NOW + CONFIG.retry_interval_s and after.verdict is None
 
 
-def test_beside_a_blocked_goal_the_goal_is_given_up():
-    found = blocked(voxnav.PlanStatus.GOAL_BLOCKED)
+@pytest.mark.parametrize("status, reason", [
+    (voxnav.PlanStatus.NO_PATH, Reason.NO_WAY), (voxnav.PlanStatus.PARTIAL_BLOCKED, Reason.NO_WAY),
+    (voxnav.PlanStatus.GOAL_UNKNOWN, Reason.GOAL_UNSEEN)])
+def test_a_verdict_that_persists_gives_the_goal_up(status, reason):
+    state, actions = planning.plan_done(searching(), JOB, blocked(status), at_rest())
+    assert isinstance(state, Planning) and state.because.reason is reason and not actions
+    for later_s, is_decided in ((2.9, False), (3.1, True)):
+        again = replace(state, job=Searching(JOB, NOW, None))
+        after, actions = planning.plan_done(again, JOB, blocked(status), at_rest(NOW + later_s))
+        assert isinstance(after, Idle) == is_decided and after.because == state.because
+        assert kinds(actions) == ([Hover] if is_decided else [])
+    other = replace(state, job=Searching(JOB, NOW, None))
+    after, _ = planning.plan_done(other, JOB, blocked(voxnav.PlanStatus.START_BLOCKED), at_rest(NOW + 2.0))
+    assert after.verdict is None, "it did not persist"
+
+
+ABOUT_GOAL = {voxnav.PlanStatus.GOAL_BLOCKED: Reason.GOAL_BLOCKED,
+              voxnav.PlanStatus.GOAL_ENCLOSED: Reason.GOAL_ENCLOSED,
+              voxnav.PlanStatus.GOAL_BELOW_GROUND: Reason.GOAL_BELOW_GROUND}
+
+
+@pytest.mark.parametrize("status", ABOUT_GOAL)
+def test_a_goal_that_no_place_is_near_is_given_up_in_flight_after_a_second_search(status):
+    found = blocked(status, ())
+    after, _ = planning.plan_done(searching(moving_state), JOB, found, facts())
+    assert isinstance(after, Moving) and after.because.reason is ABOUT_GOAL[status]
+    again = replace(after, job=Searching(JOB, NOW, None))
+    after, actions = planning.plan_done(again, JOB, found, facts(NOW + 0.5))
+    assert isinstance(after, Idle) and after.because.reason is ABOUT_GOAL[status] and kinds(actions) == [Hover]
+
+
+def test_nothing_is_flown_towards_a_goal_below_the_ground():
+    found = blocked(voxnav.PlanStatus.GOAL_BELOW_GROUND, ((0, 0, 2), (9, 0, 2)), ((0, 0, 2), (9, 0, 2)))
     after, actions = planning.plan_done(searching(), JOB, found, at_rest())
-    assert isinstance(after, Idle) and after.because.reason is Reason.UNREACHABLE and kinds(actions) == [Hover]
-    for other in (blocked(voxnav.PlanStatus.GOAL_BLOCKED, ((0, 0, 2), (9, 0, 2))),
-                  blocked(voxnav.PlanStatus.GOAL_BLOCKED, ())):
-        assert isinstance(planning.plan_done(searching(), JOB, other, at_rest())[0], Planning)
+    assert isinstance(after, Planning) and after.because.reason is Reason.GOAL_BELOW_GROUND and not actions
+
+
+@pytest.mark.parametrize("status", [voxnav.PlanStatus.GOAL_BLOCKED, voxnav.PlanStatus.GOAL_ENCLOSED])
+def test_at_the_nearest_place_the_goal_is_given_up(status):
+    after, actions = planning.plan_done(searching(), JOB, blocked(status), at_rest())
+    assert isinstance(after, Idle) and after.because.reason is ABOUT_GOAL[status] and kinds(actions) == [Hover]
+    aside = blocked(status, ((0, 0, 2), (2, 0, 2)), ((0, 0, 2), (2, 0, 2)), 18.5)
+    after, _ = planning.plan_done(searching(), JOB, aside, at_rest())
+    assert isinstance(after, Idle), "another place that is hardly nearer is not worth flying to"
+    unsafe = blocked(status, ((0, 0, 2), (9, 0, 2)))
+    after, _ = planning.plan_done(searching(), JOB, unsafe, at_rest())
+    assert isinstance(after, Planning) and after.verdict is None, "there is a way, but it is not known to be free"
+
+
+def test_a_flight_to_the_nearest_place_of_a_blocked_goal_is_the_last_until_the_map_shows_another():
+    found = outcome(goal=(12.0, 0.0, 2.0), occupied=(12.0, 0.0))
+    assert found.status == voxnav.PlanStatus.GOAL_BLOCKED and len(found.waypoints_O)
+    line = found.waypoints_O
+    arcs = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    passed = np.append(np.arange(0.0, arcs[-1], 0.4), arcs[-1])
+    points = np.column_stack([np.interp(passed, arcs, line[:, k]) for k in range(3)])
+    state = planning_state(job=Generating(JOB, NOW, found))
+    known = facts(position=(0.0, 0.0, 2.0), velocity=(0.0, 0.0, 0.0), seen=view((12.0, 0.0)))
+    after, (publish,) = flying.generate_done(state, JOB, generated_line(points), known)
+    assert after.job.leads.is_last and not after.job.leads.is_to_goal
+    assert publish.because.reason is Reason.GOAL_BLOCKED
+    flying_, _ = flying.publish_done(after, JOB, "", known)
+    planned = replace(flying_, goal_state=known.goal_state(GOAL))
+    later = facts(NOW + 2.0, seen=view((12.0, 0.0)))
+    assert not planning.is_plan_due(planned, later)
+    assert planning.is_plan_due(replace(planned, goal_state=2), later), "the map shows the goal's place by now"
 
 
 def test_a_safe_trajectory_is_published():
@@ -403,7 +496,7 @@ def test_an_unsafe_corridor_shortens_the_flight():
 
 @pytest.mark.parametrize("seen", [None, view((2.4, 0.0))])
 def test_without_room_to_stop_or_without_a_map_the_vehicle_brakes(seen):
-    progress = Advance(np.zeros(3), NOW - 1.0)
+    progress = GoalProgress(NOW - 1.0, 5.0)
     after, actions = checking.check(moving_state(progress=progress), facts(seen=seen))
     assert isinstance(after, Planning) and after.flight is None and kinds(actions) == [Hover]
     assert after.because.reason is Reason.BRAKE and after.progress is progress

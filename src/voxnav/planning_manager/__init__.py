@@ -25,12 +25,15 @@ P, M       the odometry frame jumped, in motion     Planning                  Ho
 P, M       the odometry frame jumped, at rest       as it was, job dropped                            jump_frame
 P, M       tick: at rest at the goal                Idle, goal reached                                arrival
 P, M       tick: a job does not answer              M if flown, else P                                fail
-P, M       tick: no progress for stuck_time_s       Idle, goal dropped        Hover                   stop
+P, M       tick: no shorter way to the goal for     Idle, goal dropped        Hover                   give_up
+           stuck_time_s, or max_dead_ends
 P, M       tick: a plan is due                      M if flown, else P        Plan                    start_plan
 P, M       a search ends, worth flying              as it was                 Generate                plan_done
-P, M       a search ends, not worth flying          as it was                                         plan_done
-P, M       a search ends without a way              M if flown, else P                                fail
-P, M       a search ends beside a blocked goal      Idle, goal dropped        Hover                   stop
+P, M       a search ends, no better than what is    as it was                                         plan_done
+           flown
+P, M       a search ends, nothing is worth flying   M if flown, else P                                no_way
+P, M       a search ends, and it is decided that    Idle, goal dropped        Hover                   no_way
+           the goal cannot be reached
 P, M       a trajectory is generated and safe       as it was                 Publish                 generate_done
 P, M       no trajectory, a late or another one     M if flown, else P                                fail
            than was asked for, or an unsafe one
@@ -54,6 +57,7 @@ any        check: the way of an accepted hover is   as it was                 Ho
            not free, and another one is better
 =========  =======================================  ========================  ======================  ================
 
+What a search tells about the goal stands in verdicts.py, and the rule of progress in progress.py.
 Hover stands for the least dangerous of the ways to rest (stops.py): straight ahead, along the trajectory, or climbing.
 
 P is Planning, M is Moving. All other events, and answers to jobs that no longer matter, leave the state as it is.

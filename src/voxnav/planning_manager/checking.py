@@ -65,7 +65,7 @@ def check_flight(state: Active, flight: Flight, facts: Facts) -> Step:
 
 def plan_anew(state: Active, flight: Flight, because: Because, facts: Facts) -> Active:
     """Lets any new plan replace a flight that is no longer as it was planned; the vehicle flies on meanwhile."""
-    if flight.leads.left_m is None and not flight.leads.is_to_goal:
+    if flight.leads.left_m is None and not flight.leads.is_last:
         return state  # a plan is due already
     leads = Leads(flight.leads.radius_m, False, None)
     from_s = max(facts.now_s, flight.taken_s + facts.config.retry_interval_s)

@@ -87,6 +87,13 @@ class Facts:
         """Returns the flight if the vehicle is still in motion along it, else None."""
         return flight if flight is not None and flight.is_flown(self.now_s) else None
 
+    def goal_state(self, goal: Goal) -> Optional[int]:
+        """Returns the state of the goal's voxel as voxnav.OccupancyView.states does; None without a map."""
+        view = self.look()
+        if view is None:
+            return None
+        return int(view.states(np.asarray(self.goal_O(goal), dtype=np.float32).reshape(1, 3))[0])
+
     def has_goal_moved(self, flight: Flight, goal: Goal) -> bool:
         """Returns True if the map correction has moved the goal so far that the trajectory no longer leads to it."""
         return bool(np.linalg.norm(flight.goal_O - self.goal_O(goal)) > GOAL_SHIFT_M)

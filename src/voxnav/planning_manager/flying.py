@@ -12,7 +12,10 @@ from voxnav.planning_manager.planning import fail, moving
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import Active, Flight, Generating, Idle, Leads, Publishing, State, own_hover
 from voxnav.planning_manager.stopping import brake, hover_again
+from voxnav.planning_manager.verdicts import MEANINGS
 
+# Paths whose ends are nearer to each other than this end at the same place.
+UNCUT_M = 0.1
 NO_MAP = "no map to check against"
 
 
@@ -43,13 +46,17 @@ def generate_done(state: State, number: int, generated: Union[Generated, str], f
 
 def _leads(outcome: PlanOutcome, cut_m: float, is_cut: bool) -> Leads:
     left_m = outcome.left_m + (cut_m if is_cut else 0.0)
-    return Leads(outcome.corridor_radius_m, outcome.is_to_goal and not is_cut, left_m)
+    is_to_goal = outcome.is_to_goal and not is_cut
+    # A path that was not cut ends where the search found the nearest place.
+    is_nearest = not is_cut and abs(outcome.left_m - outcome.plan.remaining_m) < UNCUT_M
+    is_last = is_to_goal or (MEANINGS[outcome.status].is_about_goal and is_nearest)
+    return Leads(outcome.corridor_radius_m, is_to_goal, left_m, is_last)
 
 
 def _moving_because(outcome: PlanOutcome, leads: Leads) -> Because:
     sentence = "moving to the goal" if leads.is_to_goal else "moving towards the goal"
     doubt = "" if outcome.status == PlanStatus.COMPLETE else ": " + explain(outcome.status)
-    return Because(Reason.MOVING, sentence + doubt)
+    return Because(MEANINGS[outcome.status].reason, sentence + doubt)
 
 
 def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:

@@ -7,16 +7,16 @@ from typing import Optional, Union
 import numpy as np
 
 from voxnav._core import PlanOutcome, PlanStatus
+from voxnav.array_types import Array
 from voxnav.planning_manager.actions import Generate, Plan
 from voxnav.planning_manager.facts import Facts, Step
+from voxnav.planning_manager.progress import GoalProgress
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Advance,
-                                            Publishing, Searching, State)
+from voxnav.planning_manager.states import (Active, Flight, Generating, Goal, Idle, Moving, Planning, Publishing,
+                                            Searching, State, own_hover)
 from voxnav.planning_manager.stopping import lose, repeat_hover, stop
 from voxnav.planning_manager.takeover import drop_goal, taken_over, watch
-
-# A move of this length counts as progress.
-PROGRESS_M = 1.0
+from voxnav.planning_manager.verdicts import MEANINGS, verdict_of
 
 
 def tick(state: State, facts: Facts) -> Step:
@@ -43,8 +43,9 @@ def tick(state: State, facts: Facts) -> Step:
     if state.job is not None and facts.now_s - state.job.begin_s > facts.config.job_timeout_s:
         return fail(state, Because(Reason.NO_ANSWER, _who(state.job) + " does not answer"), facts), ()
     state = with_progress(state, facts)
-    if is_stuck(state, facts):
-        return stop(state, Because(Reason.STUCK, "stuck: " + state.because.sentence), facts)
+    tired = give_up(state, facts)
+    if tired is not None:
+        return tired
     return start_plan(state, facts) if is_plan_due(state, facts) else (state, ())
 
 
@@ -63,22 +64,36 @@ def arrival(state: Active, facts: Facts) -> Optional[Step]:
 
 
 def with_progress(state: Active, facts: Facts) -> Active:
-    position = facts.vehicle.position_O
-    if state.progress is not None and np.linalg.norm(position - state.progress.position_O) < PROGRESS_M:
-        return state
-    return replace(state, progress=Advance(position, facts.now_s))
+    """Records how much of the way to the goal is left on the flown trajectory."""
+    progress = state.progress or GoalProgress(facts.now_s)
+    flight = facts.flown(state.flight)
+    if flight is not None and flight.leads.left_m is not None:
+        left_m = float(flight.trajectory.length_m) - flight.arc_m(facts.vehicle.position_O, facts.now_s)
+        progress = progress.after(left_m + flight.leads.left_m, facts.now_s)
+    return replace(state, progress=progress)
 
 
-def is_stuck(state: Active, facts: Facts) -> bool:
-    return state.progress is not None and facts.now_s - state.progress.since_s > facts.config.stuck_time_s
+def give_up(state: Active, facts: Facts) -> Optional[Step]:
+    """Gives the goal up if the vehicle does not come nearer to it; None as long as it does."""
+    problem = "" if state.progress is None else state.progress.problem(facts.now_s, facts.config)
+    if not problem:
+        return None
+    stuck = Because(Reason.STUCK, "stuck: %s: %s" % (problem, state.because.sentence))
+    return stop(state, stuck if state.verdict is None else state.verdict.because, facts)
 
 
 def is_plan_due(state: Active, facts: Facts) -> bool:
-    """Returns True if no job is running, it is time, and the flown trajectory does not lead to the goal already."""
-    if state.job is not None or facts.now_s < state.plan_from_s:
+    """Returns True if no job is running, it is time, and the flown trajectory does not lead to the goal already.
+
+    It is time at once when the map shows the goal's place as something else than before.
+    """
+    if state.job is not None:
         return False
+    has_news = facts.goal_state(state.goal) != state.goal_state
     flight = facts.flown(state.flight)
-    return flight is None or not flight.leads.is_to_goal or facts.has_goal_moved(flight, state.goal)
+    if facts.now_s < state.plan_from_s and not (has_news and flight is not None):
+        return False
+    return flight is None or not flight.leads.is_last or has_news or facts.has_goal_moved(flight, state.goal)
 
 
 def start_plan(state: Active, facts: Facts) -> Step:
@@ -94,7 +109,8 @@ def start_plan(state: Active, facts: Facts) -> Step:
     job = Searching(facts.job, facts.now_s, stamp_s)
     if flight is None:
         state = at_rest(state, state.because)
-    return replace(state, job=job), (Plan(facts.job, start, facts.goal_O(state.goal)),)
+    state = replace(state, job=job, goal_state=facts.goal_state(state.goal))
+    return state, (Plan(facts.job, start, facts.goal_O(state.goal)),)
 
 
 def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> Step:
@@ -102,34 +118,46 @@ def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> 
     if isinstance(state, Idle) or not isinstance(state.job, Searching) or state.job.job != number:
         return state, ()
     start_stamp_s = state.job.start_stamp_s
-    state = replace(state, job=None)
+    progress = state.progress or GoalProgress(facts.now_s)
+    if len(outcome.plan.path):
+        progress = progress.after_plan(_left_m(outcome), facts.now_s)
+    state = replace(state, job=None, progress=progress)
     waypoints = outcome.waypoints_O
-    if len(waypoints) == 0:
-        if is_final(state, outcome, facts):
-            return stop(state, Because(Reason.UNREACHABLE, "goal cannot be reached: " + outcome.problem), facts)
-        return fail(state, Because(Reason.PLAN_FAILED, outcome.problem), facts), ()
+    if len(waypoints) == 0 or not MEANINGS[outcome.status].leads_near:
+        return no_way(state, outcome, facts)
     if not is_worth_flying(state, outcome, facts):
-        return replace(state, plan_from_s=facts.now_s + facts.config.replan_interval_s), ()
+        state = replace(state, plan_from_s=facts.now_s + facts.config.replan_interval_s)
+        return (state, ()) if facts.flown(state.flight) is not None else no_way(state, outcome, facts)
     heading = facts.heading_O(state.goal) if outcome.is_to_goal else None
     job = Generating(facts.job, facts.now_s, outcome)
     return replace(state, job=job), (Generate(facts.job, waypoints, start_stamp_s, heading),)
 
 
-def is_final(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
-    """Returns True near a goal that may not be entered: no further plan leads nearer."""
-    path = outcome.plan.path
-    length_m = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
-    is_near = len(path) > 0 and length_m < facts.config.min_progress_m
-    return outcome.status == PlanStatus.GOAL_BLOCKED and facts.flown(state.flight) is None and is_near
+def no_way(state: Active, outcome: PlanOutcome, facts: Facts) -> Step:
+    """Tries again after a search that found nothing worth flying, or gives the goal up once that is decided."""
+    leads_nowhere = _length_m(outcome.plan.path) < facts.config.min_progress_m or len(outcome.waypoints_O) > 0
+    is_resting = leads_nowhere and facts.flown(state.flight) is None
+    verdict = verdict_of(state.verdict, outcome, is_resting, facts.now_s)
+    if verdict is not None and verdict.is_final(facts.now_s):
+        return stop(state, verdict.because, facts)
+    because = Because(Reason.PLAN_FAILED, outcome.problem) if verdict is None else verdict.because
+    return replace(fail(state, because, facts), verdict=verdict), ()
 
 
 def is_worth_flying(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
     """Returns True if a path leads clearly nearer to the goal than the flown trajectory, or if that is no longer good.
 
-    This keeps the vehicle from alternating between paths of similar length.
+    This keeps the vehicle from alternating between paths of similar length. A vehicle at rest beside a goal that cannot
+    be reached is not moved by less than min_progress_m either.
     """
     flight = facts.flown(state.flight)
-    if flight is None or flight.leads.left_m is None or outcome.is_to_goal:
+    is_about_goal = MEANINGS[outcome.status].is_about_goal
+    if outcome.is_to_goal:
+        return True
+    if flight is None:
+        here_m = float(np.linalg.norm(facts.vehicle.position_O - facts.goal_O(state.goal)))
+        return not is_about_goal or bool(outcome.plan.remaining_m < here_m - facts.config.min_progress_m)
+    if flight.leads.left_m is None or (flight.leads.is_to_goal and is_about_goal):
         return True
     is_nearer = outcome.left_m < flight.leads.left_m - facts.config.min_progress_m
     return bool(is_nearer) or facts.has_goal_moved(flight, state.goal)
@@ -146,13 +174,23 @@ def fail(state: Active, because: Because, facts: Facts) -> Active:
 
 def at_rest(state: Active, because: Because) -> Planning:
     """Returns the state Planning without a flight."""
-    stopping = None if isinstance(state, Moving) else state.hover
-    return Planning(because, state.goal, state.plan_from_s, state.job, None, state.progress, stopping)
+    return Planning(because, state.goal, state.plan_from_s, state.job, None, state.progress, own_hover(state),
+                    state.verdict, state.goal_state)
 
 
 def moving(state: Active, because: Because, flight: Flight, plan_from_s: float) -> Moving:
     """Returns the state Moving along a flight, without a job."""
-    return Moving(because, state.goal, flight, plan_from_s, None, state.progress)
+    return Moving(because, state.goal, flight, plan_from_s, None, state.progress, None, state.goal_state)
+
+
+def _left_m(outcome: PlanOutcome) -> float:
+    """Returns the way left to the goal: the path, and the straight line from its end if it does not reach the goal."""
+    gap_m = 0.0 if outcome.status == PlanStatus.COMPLETE else outcome.plan.remaining_m
+    return _length_m(outcome.plan.path) + float(gap_m)
+
+
+def _length_m(path: Array) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
 def _who(job: Union[Searching, Generating, Publishing]) -> str:

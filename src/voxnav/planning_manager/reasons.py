@@ -20,10 +20,16 @@ class Reason(enum.Enum):
     RESUMED = "flight resumes"
     STOPPED = "stopped"
     REACHED = "goal reached"
-    UNREACHABLE = "goal cannot be reached"
+    GOAL_BLOCKED = "goal blocked"
+    GOAL_ENCLOSED = "goal enclosed"
+    GOAL_UNSEEN = "goal cannot be seen"
+    GOAL_BELOW_GROUND = "goal below the ground"
+    GOAL_OUTSIDE_MAP = "goal outside the map"
     STUCK = "stuck"
     TAKEN_OVER = "taken over"
     MOVING = "moving"
+    SEARCH_ENDED = "search ended by a limit"
+    NO_WAY = "no way to the goal"
     PLAN_FAILED = "no plan"
     GENERATOR_FAILED = "no trajectory"
     TRAJECTORY_REFUSED = "trajectory refused"
@@ -53,8 +59,10 @@ class Reason(enum.Enum):
 
 
 _USUAL = frozenset((
-    Reason.NO_GOAL, Reason.NEW_GOAL, Reason.RESUMED, Reason.STOPPED, Reason.REACHED, Reason.UNREACHABLE, Reason.MOVING,
-    Reason.PLAN_FAILED, Reason.GENERATOR_FAILED, Reason.TRAJECTORY_REFUSED, Reason.NO_ANSWER, Reason.SHORTENED))
+    Reason.NO_GOAL, Reason.NEW_GOAL, Reason.RESUMED, Reason.STOPPED, Reason.REACHED, Reason.GOAL_BLOCKED,
+    Reason.GOAL_ENCLOSED, Reason.GOAL_UNSEEN, Reason.GOAL_BELOW_GROUND, Reason.GOAL_OUTSIDE_MAP, Reason.MOVING,
+    Reason.SEARCH_ENDED, Reason.NO_WAY, Reason.PLAN_FAILED, Reason.GENERATOR_FAILED, Reason.TRAJECTORY_REFUSED,
+    Reason.NO_ANSWER, Reason.SHORTENED))
 
 
 @dataclass(frozen=True)

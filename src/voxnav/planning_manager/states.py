@@ -9,7 +9,9 @@ import numpy as np
 from voxnav._core import PlanOutcome, Trajectory
 from voxnav.array_types import Array
 from voxnav.planning_manager.actions import Means
+from voxnav.planning_manager.progress import GoalProgress
 from voxnav.planning_manager.reasons import Because
+from voxnav.planning_manager.verdicts import Verdict
 
 # The vehicle is searched on the trajectory within this time before and after its scheduled time.
 BEHIND_S, AHEAD_S = 1.5, 0.5
@@ -43,6 +45,7 @@ class Leads:
     radius_m: float  # known free around it
     is_to_goal: bool
     left_m: Optional[float]  # distance from its end to the goal; None: unknown, any plan is better
+    is_last: bool = False  # it ends at the goal, or at the nearest place to a blocked one: no plan leads nearer
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +103,6 @@ Job = Union[Searching, Generating, Publishing]
 
 
 @dataclass(frozen=True, eq=False)
-class Advance:
-    """The position of the last progress, and its time."""
-
-    position_O: Array
-    since_s: float
-
-
-@dataclass(frozen=True, eq=False)
 class Idle:
     """Nothing is flown: there is no goal, or something that a flight needs is missing."""
 
@@ -126,8 +121,10 @@ class Planning:
     plan_from_s: float  # no search begins earlier
     job: Optional[Job] = None
     flight: Optional[Flight] = None
-    progress: Optional[Advance] = None
+    progress: Optional[GoalProgress] = None
     hover: Optional[OwnHover] = None
+    verdict: Optional[Verdict] = None
+    goal_state: Optional[int] = None  # what the map knew of the goal's place when it was last planned to
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +136,9 @@ class Moving:
     flight: Flight
     plan_from_s: float
     job: Optional[Job] = None
-    progress: Optional[Advance] = None
+    progress: Optional[GoalProgress] = None
+    verdict: Optional[Verdict] = None
+    goal_state: Optional[int] = None
 
 
 Active = Union[Planning, Moving]

@@ -7,8 +7,8 @@ from typing import Optional
 from voxnav.planning_manager.actions import Hover, Means
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.reasons import Because, Reason
-from voxnav.planning_manager.states import (Active, Goal, Idle, Moving, OwnHover, Planning, Publishing, State,
-                                            flight_of, own_hover)
+from voxnav.planning_manager.states import (Active, Goal, Idle, Leads, Moving, OwnHover, Planning, Publishing,
+                                            State, flight_of, own_hover)
 from voxnav.planning_manager.stops import stop_for
 
 # A stop that no means achieves is tried again after this time.
@@ -34,11 +34,11 @@ def accept_goal(state: State, goal: Goal, facts: Facts) -> Step:
     because = Because(Reason.NEW_GOAL, "new goal")
     flight = flight_of(state)
     if flight is not None:
-        flight = replace(flight, leads=replace(flight.leads, is_to_goal=False, left_m=None))
+        flight = replace(flight, leads=Leads(flight.leads.radius_m, False, None))
     # A trajectory that is on its way to the tracker will be flown, although it leads to the old goal.
     job = None if isinstance(state, Idle) or not isinstance(state.job, Publishing) else state.job
     if job is not None:
-        job = replace(job, leads=replace(job.leads, is_to_goal=False, left_m=None))
+        job = replace(job, leads=Leads(job.leads.radius_m, False, None))
     return Planning(because, goal, facts.now_s, job, flight, hover=own_hover(state)), ()
 
 
