@@ -33,6 +33,8 @@ void bind_trajectory(py::module_& m) {
       .def_property_readonly("dt_s", &Trajectory::dt_s)
       .def_property_readonly("length_m", &Trajectory::length_m)
       .def_property_readonly("duration_s", &Trajectory::duration_s)
+      .def_property_readonly("braking_begins_s", &Trajectory::braking_begins_s,
+                             "Time from which on it only gets slower until it rests [s].")
       .def(
           "project",
           [](const Trajectory& t, const py::object& position, double from_s, double to_s) {

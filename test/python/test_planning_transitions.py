@@ -323,6 +323,16 @@ def test_the_heading_at_the_goal_is_turned_into_the_odometry_frame():
     assert generate.heading_rad == pytest.approx(2.0 - np.pi / 2)
 
 
+@pytest.mark.parametrize("age_s, wait_s", [(0.0, 1.5), (3.0, 1.0), (3.2, 0.8), (4.5, 0.5)])
+def test_the_next_plan_begins_before_the_flight_brakes(age_s, wait_s):
+    points = np.zeros((26, 3))
+    points[:, 0] = 0.4 * np.arange(26)  # 2 m/s for 5 s; the last step ends at rest
+    flown = replace(flight(begin_s=NOW - age_s), trajectory=voxnav.Trajectory(points, 0.2))
+    assert flown.trajectory.braking_begins_s == pytest.approx(4.8)
+    assert CONFIG.planning_budget_s + CONFIG.generation_budget_s == pytest.approx(0.8)
+    assert facts().next_plan_s(flown) == pytest.approx(NOW + wait_s)
+
+
 def test_a_way_that_leads_no_nearer_is_not_flown():
     wall = outcome(goal=(30.0, 0.0, 2.0))
     assert not wall.is_to_goal and len(wall.waypoints_O)

@@ -14,8 +14,8 @@
 namespace voxnav::pipeline {
 
 struct PlanningManagerConfig {
-  double planning_budget_s = 0.6;
-  double generation_budget_s = 0.6;
+  double planning_budget_s = 0.3;
+  double generation_budget_s = 0.5;
   double max_flight_time_s = 15.0;
   double replan_interval_s = 1.5;
   double retry_interval_s = 0.5;
@@ -48,7 +48,8 @@ struct PlanningManagerConfig {
     v("generation_budget_s", &C::generation_budget_s, seconds, "s", "time the trajectory generator may take");
     v("max_flight_time_s", &C::max_flight_time_s, base::in(1.0, 120.0), "s",
       "trajectories are cut to this flight time");
-    v("replan_interval_s", &C::replan_interval_s, seconds, "s", "age of a trajectory that starts the next plan");
+    v("replan_interval_s", &C::replan_interval_s, seconds, "s",
+      "age of a trajectory at which the next plan starts, or sooner so that it is there before this one brakes");
     v("retry_interval_s", &C::retry_interval_s, seconds, "s", "pause after a plan that failed");
     v("corridor_radius_m", &C::corridor_radius_m, base::in(0.1, 5.0), "m",
       "known free space that must surround the flown trajectory: vehicle radius and margin");

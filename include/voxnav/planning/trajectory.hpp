@@ -39,6 +39,8 @@ class Trajectory {
   geometry::Vec3 position_at(double time_s) const;
   double arc_at(double time_s) const;
   double speed_at(double time_s) const;
+  /// Returns the time from which on the trajectory only gets slower until it rests.
+  double braking_begins_s() const;
   geometry::Vec3 position_at_arc(double arc_m) const;
   /// Returns the arc length of the point nearest to `position` among those passed between the two times.
   double project(const geometry::Vec3& position, double from_s, double to_s) const;

@@ -19,6 +19,8 @@ constexpr double kCreepSpeed = 0.05;
 /// Shorter segments and slower velocities do not determine a direction.
 constexpr double kMinPiece_m = 1e-6;
 constexpr double kMinSpeed_mps = 0.1;
+/// Steps of a trajectory at constant speed differ by less than this share.
+constexpr double kSpeedNoise = 1e-3;
 
 }  // namespace
 
@@ -61,6 +63,13 @@ double Trajectory::speed_at(double time_s) const {
   if (points_.size() < 2 || time_s >= duration_s()) return 0.0;
   const auto i = std::min(static_cast<std::size_t>(std::max(0.0, time_s / dt_s_)), points_.size() - 2);
   return (arcs_[i + 1] - arcs_[i]) / dt_s_;
+}
+
+double Trajectory::braking_begins_s() const {
+  std::size_t i = points_.size() < 2 ? 0 : points_.size() - 1;
+  const auto step = [this](std::size_t k) { return arcs_[k] - arcs_[k - 1]; };
+  while (i >= 2 && step(i - 1) > step(i) * (1.0 + kSpeedNoise)) --i;
+  return (i == 0 ? 0.0 : static_cast<double>(i - 1)) * dt_s_;
 }
 
 double Trajectory::speed_at_arc(double arc_m) const {

@@ -94,6 +94,14 @@ class Facts:
             return None
         return int(view.states(np.asarray(self.goal_O(goal), dtype=np.float32).reshape(1, 3))[0])
 
+    def next_plan_s(self, flight: Flight) -> float:
+        """Returns the time at which to plan again: so early that a new trajectory is there before this one brakes."""
+        config = self.config
+        braking_s = flight.begin_s + float(flight.trajectory.braking_begins_s)
+        before_s = braking_s - config.planning_budget_s - config.generation_budget_s
+        soonest_s = self.now_s + min(config.retry_interval_s, config.replan_interval_s)
+        return min(max(soonest_s, before_s), self.now_s + float(config.replan_interval_s))
+
     def has_goal_moved(self, flight: Flight, goal: Goal) -> bool:
         """Returns True if the map correction has moved the goal so far that the trajectory no longer leads to it."""
         return bool(np.linalg.norm(flight.goal_O - self.goal_O(goal)) > GOAL_SHIFT_M)

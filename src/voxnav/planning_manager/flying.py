@@ -73,7 +73,7 @@ def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
     flight = Flight(job.trajectory, begin_s, job.leads, facts.goal_O(state.goal), job.begin_s, facts.now_s)
     if job.is_shortening:
         return replace(state, job=None, flight=flight, plan_from_s=facts.now_s), ()
-    return moving(state, job.because, flight, facts.now_s + facts.config.replan_interval_s), ()
+    return moving(state, job.because, flight, facts.next_plan_s(flight)), ()
 
 
 def publish(state: Active, job: Publishing) -> Step:

@@ -126,8 +126,10 @@ def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> 
     if len(waypoints) == 0 or not MEANINGS[outcome.status].leads_near:
         return no_way(state, outcome, facts)
     if not is_worth_flying(state, outcome, facts):
-        state = replace(state, plan_from_s=facts.now_s + facts.config.replan_interval_s)
-        return (state, ()) if facts.flown(state.flight) is not None else no_way(state, outcome, facts)
+        flight = facts.flown(state.flight)
+        if flight is None:
+            return no_way(state, outcome, facts)
+        return replace(state, plan_from_s=facts.next_plan_s(flight)), ()
     heading = facts.heading_O(state.goal) if outcome.is_to_goal else None
     job = Generating(facts.job, facts.now_s, outcome)
     return replace(state, job=job), (Generate(facts.job, waypoints, start_stamp_s, heading),)

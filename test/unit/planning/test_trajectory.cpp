@@ -49,6 +49,14 @@ TEST(Trajectory, StopsAtAnArcWithBoundedDeceleration) {
   }
 }
 
+TEST(Trajectory, TellsWhenItBeginsToBrake) {
+  EXPECT_NEAR(cruise().braking_begins_s(), 9.8, 1e-9) << "a cruise stops at once at its end";
+  // At 2 m/s, 10 m are needed to stop at 0.2 m/s^2: braking begins where they are left, after 5 s.
+  EXPECT_NEAR(cruise().stopped_at(0.0, 20.0, 0.2)->braking_begins_s(), 5.0, 0.41);
+  EXPECT_NEAR(cruise().stopped_at(0.0, 10.0, 0.2)->braking_begins_s(), 0.0, 0.41);
+  EXPECT_EQ(Trajectory({Vec3(1, 2, 3)}, 0.2).braking_begins_s(), 0.0);
+}
+
 TEST(Trajectory, RefusesToStopWhereItCannot) {
   EXPECT_FALSE(cruise().stopped_at(4.0, 5.5, 1.0).has_value());  // stopping needs 2 m
   EXPECT_FALSE(cruise().stopped_at(4.0, 3.0, 1.0).has_value());
