@@ -4,7 +4,7 @@
 import numpy as np
 
 import voxnav
-from voxnav.planning_manager import Generate, Generated, Plan, Publish
+from voxnav.planning_manager import Control, Generate, Generated, Plan, Publish
 
 LIMITS = [4.0, 2.0, 2.0, 1.0, 2.0, 1.0]
 RESOLUTION = 0.4
@@ -43,7 +43,7 @@ class FakeFlight:
         self.lost = set()  # inputs that are no longer updated
         self.limits = None  # limits that the control manager tells; None: LIMITS
         self.ahead_s = {}  # how far the stamps of inputs are ahead of the time
-        self.is_flying = True
+        self.is_flying, self.is_repelling = True, False
         self.callbacks_from = self.now  # the tracker accepts goals from this time on; it refuses them while it brakes
         self.frames = ("odom", "odom")  # the frames of the map and of the vehicle
         self.sequence = 0
@@ -84,7 +84,8 @@ class FakeFlight:
         if "correction" not in self.lost:
             m.set_T_W_O(now, self.T_W_O)
         is_tracking = self.flown is not None and now < self.flown[2] + self.flown[1] * (len(self.flown[0]) - 1)
-        m.set_control(now, self.is_flying, self.is_flying and now >= self.callbacks_from, is_tracking)
+        accepts_goals = self.is_flying and now >= self.callbacks_from and not self.is_repelling
+        m.set_control(now, Control(self.is_flying, accepts_goals, is_tracking, self.is_repelling))
         m.set_frames(*self.frames)
         m.set_limits(now, self.limits or LIMITS)
 

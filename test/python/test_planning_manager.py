@@ -6,12 +6,13 @@ import pytest
 
 import voxnav
 from fake_flight import TICK_S, FakeFlight
-from voxnav.planning_manager import Means, Reason
+from voxnav.planning_manager import Control, Means, Reason
 
 IDLE, PLANNING, MOVING = 0, 1, 2
 SIZE = (110, 50, 20)
 ORIGIN = (-4.0, -10.0, -4.0)
 START = (0.0, 0.0, 0.0)
+GROUNDED = Control(is_flying=False, accepts_goals=False, is_tracking=False)
 
 
 def world(*boxes):
@@ -263,9 +264,9 @@ def test_a_stop_on_the_ground_does_not_wait_for_a_hover():
     flight.look()
     flight.tell()
     flight.fails.add("hover")
-    flight.manager.set_control(flight.now, False, False)
+    flight.manager.set_control(flight.now, GROUNDED)
     flight.do(flight.manager.stop("stopped by the user", flight.now))
-    flight.manager.set_control(flight.now + 1.0, False, False)
+    flight.manager.set_control(flight.now + 1.0, GROUNDED)
     assert flight.manager.tick(flight.now + 1.0) == []
     assert flight.manager.set_goal((10.0, 0.0, 0.0), None, flight.now + 1.0) == ""
     flight.now += 1.0
@@ -490,6 +491,19 @@ def test_a_tracker_that_refuses_goals_long_after_a_hover_counts_as_commanded_by_
     flight.fly(12.0)
     flight.callbacks_from = flight.now
     assert_dropped(flight, "somebody else let the vehicle hover")
+
+
+def test_a_bumper_that_repels_the_vehicle_is_let_do_so_and_the_flight_goes_on():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, lambda f: f.position[0] > 3.0)
+    back = np.linspace(flight.position, flight.position - (1.0, 0.0, 0.0), 11)
+    flight.flown, flight.is_repelling = (back, 0.2, flight.now), True
+    flight.fly(3.0)
+    status = flight.manager.status
+    assert status.reason == "the bumper repels the vehicle" and status.goal_W is not None
+    assert flight.count("hover") == 0
+    flight.is_repelling = False
+    assert flight.fly(60.0, reached), flight.manager.status
 
 
 def test_a_goal_set_on_the_ground_waits_for_the_take_off():

@@ -504,6 +504,33 @@ def test_an_unsafe_corridor_shortens_the_flight():
     assert kinds(actions) == [Hover] and late.because.reason is Reason.BRAKE
 
 
+@pytest.mark.parametrize("column_m, is_shortened", [(8.0, True), (6.8, True), (6.0, False)])
+def test_level_flight_brakes_by_the_horizontal_limit(column_m, is_shortened):
+    # At 3 m/s it takes 0.4 s and 3.2 m at 1.4 m/s^2 to stop, 4.4 m together; the vertical limit would need 7.6 m.
+    fast = replace(flight(), trajectory=voxnav.Trajectory(np.array([(0.6 * i, 0.0, 2.0) for i in range(30)]), 0.2))
+    known = facts(velocity=(3.0, 0.0, 0.0), seen=view((column_m, 0.0)))
+    _, (action,) = checking.check(moving_state(flight=fast), known)
+    assert isinstance(action, Publish) == is_shortened
+    assert isinstance(action, Hover) != is_shortened
+
+
+def test_a_search_that_cannot_be_made_is_tried_again():
+    state = searching()
+    assert planning.plan_failed(state, JOB + 1, "no map", facts()) == (state, ())
+    after, actions = planning.plan_failed(state, JOB, "no map", at_rest())
+    assert isinstance(after, Planning) and after.job is None and not actions
+    assert after.because == Because(Reason.PLAN_FAILED, "no search: no map")
+
+
+@pytest.mark.parametrize("state", [moving_state(), planning_state(hover=OwnHover(BECAUSE, NOW, NOW)),
+                                   Idle(BECAUSE, GOAL)])
+def test_while_the_bumper_repels_the_vehicle_nothing_is_commanded(state):
+    repelling = Control(is_flying=True, accepts_goals=False, is_tracking=False, is_repelling=True)
+    after, actions = planning.tick(state, facts(control=repelling))
+    assert isinstance(after, Idle) and after.goal is not None and not actions
+    assert after.because.reason is Reason.REPELLED
+
+
 @pytest.mark.parametrize("seen", [None, view((2.4, 0.0))])
 def test_without_room_to_stop_or_without_a_map_the_vehicle_brakes(seen):
     progress = GoalProgress(NOW - 1.0, 5.0)

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from voxnav import files
 from voxnav.msg import SubmapPoses
 from voxnav.nodes.planning_feeds import GridFeed, Heartbeats, WaitingGridFeed
-from voxnav.planning_manager.inputs import problem_of_limits
+from voxnav.planning_manager.inputs import Control, problem_of_limits
 
 IDENTITY = Transform(rotation=Quaternion(w=1.0))
 
@@ -118,9 +118,10 @@ class PlanningInputs:
         self._iteration = msg.estimator_iteration
 
     def _on_control(self, msg):
+        control = Control(msg.flying_normally, msg.tracker_status.callbacks_enabled,
+                          msg.tracker_status.tracking_trajectory, msg.bumper_active)
         with self._lock:
-            self._manager.set_control(msg.stamp.to_sec(), msg.flying_normally, msg.tracker_status.callbacks_enabled,
-                                      msg.tracker_status.tracking_trajectory)
+            self._manager.set_control(msg.stamp.to_sec(), control)
         self._note("control", msg.stamp.to_sec())
 
     def _on_constraints(self, msg):

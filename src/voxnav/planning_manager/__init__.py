@@ -17,6 +17,7 @@ any        a hover is refused in motion             as it was                 Ho
 any        a hover is accepted, or refused at rest  as it was                                         hover_answered
 any        a trajectory is taken after a hover      as it was                 Hover again             hover_again
 any        tick: an input is missing or absurd      Idle, goal kept           Hover if in motion      lose
+any        tick: the bumper repels the vehicle      Idle, goal kept                                   lose
 any        tick: the clock jumped back              Idle, goal kept           Hover if in motion      jump_clock
 Idle       tick: nothing is missing, goal kept      Planning                  Plan                    resume
 Idle       check: somebody else flies where it is   Idle, with a warning                              check_others
@@ -28,6 +29,7 @@ P, M       tick: a job does not answer              M if flown, else P          
 P, M       tick: no shorter way to the goal for     Idle, goal dropped        Hover                   give_up
            stuck_time_s, or max_dead_ends
 P, M       tick: a plan is due                      M if flown, else P        Plan                    start_plan
+P, M       a search cannot be made                  M if flown, else P                                plan_failed
 P, M       a search ends, worth flying              as it was                 Generate                plan_done
 P, M       a search ends, no better than what is    as it was                                         plan_done
            flown
@@ -65,9 +67,10 @@ P is Planning, M is Moving. All other events, and answers to jobs that no longer
 
 from voxnav.planning_manager.actions import Action, Generate, Hover, Means, Plan, Publish
 from voxnav.planning_manager.generated import Generated
+from voxnav.planning_manager.inputs import Control
 from voxnav.planning_manager.manager import PlanningManager
 from voxnav.planning_manager.reasons import Because, Level, Reason
 from voxnav.planning_manager.states import Idle, Moving, Planning
 
-__all__ = ["Action", "Because", "Generate", "Generated", "Hover", "Idle", "Level", "Means", "Moving", "Plan",
+__all__ = ["Action", "Because", "Control", "Generate", "Generated", "Hover", "Idle", "Level", "Means", "Moving", "Plan",
            "Planning", "PlanningManager", "Publish", "Reason"]

@@ -76,6 +76,7 @@ class Control:
     is_flying: bool  # flies normally, neither takes off nor lands
     accepts_goals: bool  # callbacks are enabled; MRS takes them away while the tracker brakes to hover
     is_tracking: bool  # the tracker follows a trajectory
+    is_repelling: bool = False  # the bumper of the control manager moves the vehicle away from something
 
     @property
     def is_free(self) -> bool:
@@ -130,6 +131,8 @@ class Inputs:
             return old
         if not self.control.value.is_flying:
             return Because(Reason.NOT_FLYING, "not flying")
+        if self.control.value.is_repelling:
+            return Because(Reason.REPELLED, "the bumper repels the vehicle")
         if not self.control.value.accepts_goals:
             return Because(Reason.TRACKER_REFUSES, "tracker does not accept goals")
         return None

@@ -62,8 +62,7 @@ class PlanningManager:
         if prediction.is_usable:
             self._inputs = replace(self._inputs, prediction=Timed(stamp_s, prediction))
 
-    def set_control(self, stamp_s: float, is_flying: bool, accepts_goals: bool, is_tracking: bool = False) -> None:
-        control = Control(is_flying, accepts_goals, is_tracking)
+    def set_control(self, stamp_s: float, control: Control) -> None:
         self._inputs = replace(self._inputs, control=Timed(stamp_s, control))
 
     def set_limits(self, stamp_s: float, values: Limits) -> None:
@@ -141,6 +140,16 @@ class PlanningManager:
         if self._is_current(job):
             self._status.note_search(outcome.plan)
         return self._take(planning.plan_done(self._state, job, outcome, self._facts(now_s)))
+
+    def failed(self, action: Action, problem: str, now_s: float) -> List[Action]:
+        """Takes the failure of an action that could not be executed at all, as a refusal with that problem."""
+        if isinstance(action, Hover):
+            return self.hover_done(problem, now_s)
+        if isinstance(action, Plan):
+            return self._take(planning.plan_failed(self._state, action.job, problem, self._facts(now_s)))
+        if isinstance(action, Publish):
+            return self.publish_done(action.job, problem, now_s)
+        return self.generate_done(action.job, problem, now_s)
 
     def generate_done(self, job: int, generated: Union[Generated, str], now_s: float) -> List[Action]:
         """Takes the generator's answer: a trajectory, or why there is none."""

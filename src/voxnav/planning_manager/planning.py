@@ -135,6 +135,13 @@ def plan_done(state: State, number: int, outcome: PlanOutcome, facts: Facts) -> 
     return replace(state, job=job), (Generate(facts.job, waypoints, start_stamp_s, heading),)
 
 
+def plan_failed(state: State, number: int, problem: str, facts: Facts) -> Step:
+    """Handles a search that could not be made: for want of a map, or of memory for it."""
+    if isinstance(state, Idle) or not isinstance(state.job, Searching) or state.job.job != number:
+        return state, ()
+    return fail(state, Because(Reason.PLAN_FAILED, "no search: " + problem), facts), ()
+
+
 def no_way(state: Active, outcome: PlanOutcome, facts: Facts) -> Step:
     """Tries again after a search that found nothing worth flying, or gives the goal up once that is decided."""
     leads_nowhere = _length_m(outcome.plan.path) < facts.config.min_progress_m or len(outcome.waypoints_O) > 0

@@ -44,6 +44,7 @@ class Reason(enum.Enum):
     NO_ODOMETRY = "no odometry"
     NO_DIAGNOSTICS = "no diagnostics"
     NOT_FLYING = "not flying"
+    REPELLED = "repelled by the bumper"
     TRACKER_REFUSES = "tracker does not accept goals"
     NO_CONSTRAINTS = "no constraints"
     NO_PREDICTION = "no prediction"

@@ -64,6 +64,8 @@ def lose(state: State, missing: Because, facts: Facts) -> Step:
     stopping = own_hover(state)
     if missing.reason is Reason.TRACKER_REFUSES and stopping is not None:
         return state, ()  # the tracker brakes because voxnav asked for a hover, whose reason stands already
+    if missing.reason is Reason.REPELLED:
+        return Idle(missing, state.goal), ()  # whatever voxnav asked for, the control manager does not do it now
     if is_in_motion(state):
         stopping, hover = stop_for(missing, facts.flown(flight_of(state)), facts)
         return Idle(missing.with_prefix("hover: "), state.goal, stopping), (hover,)

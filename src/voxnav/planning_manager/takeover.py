@@ -46,6 +46,8 @@ def taken_over(state: State, facts: Facts) -> Optional[str]:
     control = timed.value
     if not control.is_flying:
         return "landed or no longer flown normally"
+    if control.is_repelling:
+        return None  # the control manager gives the vehicle back by itself
     if not control.accepts_goals and own_hover(state) is None:
         return "somebody else let the vehicle hover or land"
     flight = flight_of(state)
