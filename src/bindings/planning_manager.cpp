@@ -6,6 +6,7 @@
 #include "bind_config.hpp"
 #include "configs/flight_search_config.hpp"
 #include "configs/planning_node_config.hpp"
+#include "configs/work_time_config.hpp"
 #include "point_lists.hpp"
 #include "views.hpp"
 #include "voxnav/pipeline/planning_manager.hpp"
@@ -97,6 +98,8 @@ void bind_planning_manager(py::module_& m) {
                                      "Times, distances and timeouts of the planning manager.");
   bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
                                   "Frames, rates, services and heartbeats of the planning_manager node.");
+  bind_config<WorkTimeConfig>(m, "WorkTimeConfig",
+                              "Simulated time of the planning_manager's work, where time waits for it.");
   bind_config<FlightSearchConfig>(m, "FlightSearchConfig",
                                   "Search of the planning manager: PathPlannerConfig with its defaults, and the field.")
       .def(

@@ -105,6 +105,76 @@ def test_a_waiting_simulation_does_work_at_once(seam):
     assert done == ["job"]
 
 
+class Search(str):
+    """An item of work whose time the test sets."""
+
+
+def executor_with(seam, duration_s, run, **kwargs):
+    return seam.executor("worker", run, time_seam.WorkTimes({Search: (duration_s, duration_s)}, 1), **kwargs)
+
+
+def instants(clocks, seam, count):
+    """Lets maps arrive at 10 Hz."""
+    for _ in range(count):
+        clocks.ros_s = round(clocks.ros_s + 0.1, 6)
+        seam.map_arrived(clocks.ros_s - time_seam.SWEEP_S)
+
+
+@pytest.mark.parametrize("acts_last", [False, True])
+def test_simulated_work_takes_simulated_time(clocks, seam, acts_last):
+    began, ended = [], []
+
+    def run(item):
+        began.append((str(item), seam.now().to_sec()))
+        return lambda: ended.append((str(item), seam.now().to_sec()))
+
+    executor = executor_with(seam, 0.32, run, acts_last=acts_last)
+    executor.submit(Search("a"))
+    executor.submit(Search("b"))
+    assert began == ([] if acts_last else [("a", 50.0)]) and not ended
+    instants(clocks, seam, 10)
+    assert ended == [("a", 50.3), ("b", 50.6)], "one after another, at the instants nearest to the due times"
+    assert began == (ended if acts_last else [("a", 50.0), ("b", 50.3)])
+
+
+def test_work_that_submits_work_ends_first(clocks, seam):
+    order = []
+
+    def run(item):
+        if item == "a":
+            executor.submit(Search("nested"))
+        return lambda: order.append(str(item))
+
+    executor = executor_with(seam, 0.1, run)
+    executor.submit(Search("a"))
+    instants(clocks, seam, 3)
+    assert order == ["a", "nested"]
+
+
+def test_simulated_work_that_waits_is_bounded(seam):
+    executor = executor_with(seam, 1.0, lambda item: None)
+    for _ in range(time_seam.MAX_WAITING_ITEMS + 5):
+        executor.submit(Search("a"))
+    assert len(executor._waiting) == time_seam.MAX_WAITING_ITEMS
+
+
+def test_durations_of_work_follow_from_their_seed():
+    def draws(seed):
+        times = time_seam.WorkTimes({Search: (0.1, 0.3)}, seed)
+        return [times.draw_s(Search("a")) for _ in range(100)]
+
+    assert draws(1) == draws(1) != draws(2)
+    assert 0.1 <= min(draws(1)) < 0.13 and 0.27 < max(draws(1)) <= 0.3
+    assert time_seam.WorkTimes({Search: (0.0, 0.0)}, 1).are_zero
+
+
+def test_results_of_work_are_used_in_both_kinds_of_time(seam):
+    for kind in (seam, time_seam.RealTime()):
+        done = threading.Event()
+        kind.executor("worker", lambda item: done.set).submit("job")
+        assert done.wait(10.0)
+
+
 def test_real_time_takes_inputs_at_once_and_measures_by_wall_time(clocks):
     seam, taken = time_seam.RealTime(), []
     seam.deliver(99.0, taken.append, "input")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The planning_manager node: rospy around voxnav.planning_manager, which decides everything."""
 
+import contextlib
 import threading
 
 import numpy as np
@@ -14,7 +15,7 @@ from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices
-from voxnav.nodes.time_seam import seam_for
+from voxnav.nodes.time_seam import WorkTimes, seam_for
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
 NAME = "planning_manager"
@@ -24,9 +25,9 @@ KEPT_GOAL_AGE_S = 600.0
 
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits, time_config = load_sections(
+        node, manager, planner, limits, work, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
-            map=voxnav.NavigationMapConfig, time=voxnav.TimeConfig)
+            map=voxnav.NavigationMapConfig, work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
         self._planner = voxnav.PathPlanner(planner.planner_config())
@@ -41,10 +42,7 @@ class PlanningManagerNode:
         self._diagnostics = Diagnostics(NAME)
         self._output = PlanningOutput()
         self._services = ControlServices(node, manager.trajectory_deviation_m, self._seam)
-        # Publishing must not wait behind a search or a generator, and stopping behind nothing.
-        thinker = self._seam.executor("thinker", self._answer)
-        self._executors = {Plan: thinker, Generate: thinker, Publish: self._seam.executor("commander", self._answer),
-                           Hover: self._seam.executor("stopper", self._answer)}
+        self._executors = self._make_executors(work)
         self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._seam)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
@@ -53,6 +51,16 @@ class PlanningManagerNode:
         self._seam.every(node.check_rate_hz, self._check)
         self._seam.every(node.main_rate_hz, self._tick)
         self._seam.every(node.status_rate_hz, self._show)
+
+    def _make_executors(self, work):
+        """Makes the executor of each kind of action. work: voxnav.WorkTimeConfig."""
+        def executor(name, bounds_s, acts_last):
+            return self._seam.executor(name, self._do, WorkTimes(bounds_s, work.seed), acts_last)
+
+        # Publishing must not wait behind a search or a generator, and stopping behind nothing.
+        thinker = executor("thinker", {Plan: work.search_s, Generate: work.generator_s}, False)
+        return {Plan: thinker, Generate: thinker, Publish: executor("commander", {Publish: work.command_s}, True),
+                Hover: executor("stopper", {Hover: work.command_s}, True)}
 
     # Timers
 
@@ -124,21 +132,28 @@ class PlanningManagerNode:
                 rospy.loginfo("[%s]: %s: %s", NAME, action.name, action.because.sentence)
             self._executors[type(action)].submit(action)
 
-    def _answer(self, action):
-        """Executes an action and passes the answer to the manager; a failure becomes a reason."""
+    def _do(self, action):
+        """Executes an action. Returns what passes its answer to the manager; None if there is none."""
         with self._lock:
             is_wanted = self._manager.is_wanted(action)
-        if not is_wanted:
-            return
-        try:
-            with self._diagnostics.time(action.name):
+        if is_wanted:
+            with self._failures_said(action), self._diagnostics.time(action.name):
                 finish = self._doers[type(action)](action)
-            with self._lock:
-                actions = finish(self._seam.now().to_sec())
+                return lambda: self._answer(action, finish)
+        return None
+
+    def _answer(self, action, finish):
+        actions = []
+        with self._failures_said(action), self._lock:
+            actions = finish(self._seam.now().to_sec())
+        self._dispatch(actions)
+
+    @contextlib.contextmanager
+    def _failures_said(self, action):
+        try:
+            yield
         except (ValueError, RuntimeError, rospy.ROSException) as error:
             rospy.logerr("[%s]: %s failed: %s", NAME, action.name, error)
-            return
-        self._dispatch(actions)
 
     def _do_plan(self, action):
         view, limits = self._map.view(), self._inputs.limits

@@ -13,6 +13,7 @@ the machine.
 import collections
 import contextlib
 import queue
+import random
 import threading
 import time
 
@@ -28,6 +29,8 @@ INPUT_WAIT_S = 0.5
 # Timers take over if no map has come for this long, so that the vehicle still stops.
 MISSING_MAP_S = 1.0
 MAX_HELD_INPUTS = 200
+MAX_WAITING_ITEMS = 8  # of one executor
+ADVANCE_HZ = 20.0  # of executors, while maps are missing
 
 
 def exact_time(seconds):
@@ -53,11 +56,27 @@ class ProgressPublisher:
             self._publisher.publish(Progress(node=node, stamp=stamp, is_begun=True))
 
 
-class ThreadExecutor:
-    """Runs items one after another in a thread of its own; a bounded number may wait."""
+class WorkTimes:
+    """How long pieces of work take in simulated time, by the types of their items; drawn evenly from a seed."""
 
-    def __init__(self, name, run):
-        self._name, self._run, self._queue = name, run, queue.Queue(maxsize=8)
+    def __init__(self, bounds_s, seed):
+        """bounds_s: {type of an item: (least, greatest)} in seconds"""
+        self._bounds_s, self._random = bounds_s, random.Random(seed)
+        self.are_zero = not any(greatest > 0.0 for _, greatest in bounds_s.values())
+
+    def draw_s(self, item):
+        return self._random.uniform(*self._bounds_s[type(item)])
+
+
+class ThreadExecutor:
+    """Runs items one after another in a thread of its own; a bounded number may wait.
+
+    run(item) does the work and returns what is to be done with its result, or None. Real work takes its own time, so
+    WorkTimes have no meaning here.
+    """
+
+    def __init__(self, name, run, *_, **__):
+        self._name, self._run, self._queue = name, run, queue.Queue(maxsize=MAX_WAITING_ITEMS)
         threading.Thread(target=self._loop, name=name, daemon=True).start()
 
     def submit(self, item):
@@ -68,14 +87,72 @@ class ThreadExecutor:
 
     def _loop(self):
         while not rospy.is_shutdown():
-            self._run(self._queue.get())
+            _finish(self._run(self._queue.get()))
 
 
 class InlineExecutor:
     """Runs each item at once."""
 
-    def __init__(self, _, run):
-        self.submit = run
+    def __init__(self, run):
+        self._run = run
+
+    def submit(self, item):
+        _finish(self._run(item))
+
+
+class SimulatedExecutor:
+    """Runs items one after another, each of which takes simulated time.
+
+    The work is done at the begin of that time and its result used at the end; or the work is done at the end, as with
+    a command that is obeyed late. Both happen at the instants at which the simulation stands still, at the nearest one.
+    """
+
+    def __init__(self, name, run, times, seam, acts_last):
+        self._name, self._run, self._times, self._seam, self._acts_last = name, run, times, seam, acts_last
+        self._lock, self._waiting, self._is_advancing = threading.Lock(), collections.deque(), False
+        self._due_s = self._item = self._result = None  # of the work in hand
+
+    def submit(self, item):
+        with self._lock:
+            if len(self._waiting) >= MAX_WAITING_ITEMS:
+                rospy.logerr_throttle(1.0, "%s is busy: %s dropped", self._name, type(item).__name__)
+                return
+            self._waiting.append(item)
+        self.advance()
+
+    def advance(self):
+        """Begins and ends the work whose time has come."""
+        with self._lock:
+            if self._is_advancing:
+                return  # the caller is the work itself, or another thread is at it
+            self._is_advancing = True
+        try:
+            while self._begin() if self._item is None else self._end():
+                pass
+        finally:
+            self._is_advancing = False
+
+    def _begin(self):
+        with self._lock:
+            if not self._waiting:
+                return False
+            self._item = self._waiting.popleft()
+        self._due_s = self._seam.now().to_sec() + self._times.draw_s(self._item)
+        self._result = None if self._acts_last else self._run(self._item)
+        return True
+
+    def _end(self):
+        if self._seam.now().to_sec() < self._due_s - 0.5 * SWEEP_S:
+            return False
+        result = self._run(self._item) if self._acts_last else self._result
+        self._item = self._result = None
+        _finish(result)
+        return True
+
+
+def _finish(result):
+    if result is not None:
+        result()
 
 
 class RealTime:
@@ -124,14 +201,20 @@ class WaitingSimulation:
     give up, nor is time that runs fast.
     """
 
-    executor = InlineExecutor
-
     def __init__(self, progress):
         """Makes a seam that reports to a ProgressPublisher."""
         self._progress, self._periodic, self._is_caught_up = progress, [], None
         self._held = collections.deque(maxlen=MAX_HELD_INPUTS)  # (stamp_s, take, arguments)
         self._lock, self._arrived = threading.Lock(), threading.Condition()
         self._instant_s = self._last_instant_s = None
+
+    def executor(self, name, run, times=None, acts_last=False):
+        """Returns an executor whose work takes no simulated time, or that of WorkTimes."""
+        if times is None or times.are_zero:
+            return InlineExecutor(run)
+        executor = SimulatedExecutor(name, run, times, self, acts_last)
+        self.every(ADVANCE_HZ, executor.advance)
+        return executor
 
     def now(self):
         instant_s = self._instant_s
