@@ -64,7 +64,8 @@ class DepthCameraModel {
   DepthCameraModel(const DepthCameraConfig& config, std::uint64_t seed);
 
   const DepthCameraConfig& config() const { return config_; }
-  /// Takes an image from the pose of the optical frame.
+  /// Takes an image from the pose of the optical frame. The image with index i is taken after i periods; persons and
+  /// other UAVs are where they are then.
   DepthPixels image(const Scene& scene, const Pose& T_W_C, std::uint64_t index) const;
 
  private:

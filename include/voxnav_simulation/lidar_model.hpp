@@ -33,6 +33,7 @@ class LidarModel {
   double azimuth_rad(int column) const;
 
   /// Measures one turn. `T_W_L` holds the pose of the sensor for each column, at the column's own time.
+  /// The turn with index i begins at i times the duration of a turn; persons and other UAVs are where they are then.
   /// @throws std::invalid_argument unless there is one pose per column
   LidarScan scan(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_index) const;
 
@@ -53,9 +54,14 @@ class LidarModel {
     std::uint8_t label;
   };
   struct Footprints;
-  void scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_key, int first, int last,
+  /// One turn of the sensor.
+  struct Turn {
+    std::uint64_t key;  ///< of its random numbers
+    std::int64_t start_ns;
+  };
+  void scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L, const Turn& turn, int first, int last,
                     LidarScan* out) const;
-  void cast_column(const Scene& scene, const Pose& T_W_L, int column, std::uint64_t scan_key, Footprints* out) const;
+  void cast_column(const Scene& scene, const Pose& T_W_L, int column, const Turn& turn, Footprints* out) const;
   std::uint64_t key_of(std::uint64_t scan_key, int column, std::size_t beam) const;
   Target target_of(const Hit* hits, float body_range_m) const;
   Target seen_through_rain(const Target& target, std::uint64_t key) const;

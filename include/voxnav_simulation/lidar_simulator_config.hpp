@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "voxnav/base/config.hpp"
 #include "voxnav_simulation/cloud_encoder.hpp"
@@ -16,6 +17,8 @@ struct LidarSimulatorConfig {
   std::string sensor_frame_id = "uav1/os_sensor";
   std::string body_frame_id = "uav1/fcu";
   int max_marker_triangles = 60000;
+  double loss_ratio = 0.0;
+  std::vector<std::string> waiting_nodes{};
 
   template <class V>
   static void fields(V&& v) {
@@ -31,6 +34,9 @@ struct LidarSimulatorConfig {
     v("body_frame_id", &C::body_frame_id, any(), "", "parent of the sensor frame");
     v("max_marker_triangles", &C::max_marker_triangles, in(0, 2000000), "",
       "triangles of the world shown in rviz, 0 = none; leaves are thinned out first");
+    v("loss_ratio", &C::loss_ratio, in(0, 1), "", "share of clouds that are lost on their way, each for itself");
+    v("waiting_nodes", &C::waiting_nodes, any(), "",
+      "nodes that simulated time waits for after each cloud; a lost one is reported in their place");
   }
 };
 

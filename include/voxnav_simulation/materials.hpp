@@ -16,8 +16,10 @@ enum class SurfaceClass : std::uint8_t {
   kRock = 5,
   kBuilding = 6,  ///< walls and houses
   kVehicle = 7,
+  kPerson = 8,
+  kFlyer = 9,  ///< another UAV
 };
-inline constexpr int kNumSurfaceClasses = 8;
+inline constexpr int kNumSurfaceClasses = 10;
 
 const char* name_of(SurfaceClass surface_class);
 

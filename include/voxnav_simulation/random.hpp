@@ -31,6 +31,9 @@ class Rng {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * M_PI * uniform());
   }
+  /// Returns a number with the exponential distribution of this mean: the time to the next of events that come at
+  /// random.
+  double exponential(double mean) { return -mean * std::log(1.0 - uniform()); }
 
  private:
   std::uint64_t state_;

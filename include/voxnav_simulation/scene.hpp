@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "voxnav/base/time.hpp"
 #include "voxnav_simulation/world.hpp"
 
 namespace voxnav_simulation {
@@ -26,6 +27,8 @@ struct Nearest {
   SurfaceClass surface_class;
 };
 
+using voxnav::base::StampNs;
+
 /// A world in which rays are cast, with Embree. All methods are thread-safe. While the vehicle is being moved, each
 /// call sees it either at its old or at its new place.
 class Scene {
@@ -39,13 +42,15 @@ class Scene {
 
   /// Casts `count` rays from one origin. The directions are unit vectors in W; it is fastest if neighbours in the array
   /// have similar directions, because eight rays are traced together.
-  void cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits) const;
+  /// Persons and other UAVs are met where they are at the given time; without one there are none.
+  void cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits,
+            std::optional<StampNs> at_ns = std::nullopt) const;
 
   /// Returns the distance to the nearest surface, or `max_m` if nothing is closer. It is positive inside a trunk too.
   /// @throws std::invalid_argument when p is not finite or max_m is negative
-  double clearance(const Vec3& p, double max_m) const;
+  double clearance(const Vec3& p, double max_m, std::optional<StampNs> at_ns = std::nullopt) const;
   /// Returns the nearest surface with its class, or nothing when no surface is closer than `max_m`.
-  std::optional<Nearest> nearest(const Vec3& p, double max_m) const;
+  std::optional<Nearest> nearest(const Vec3& p, double max_m, std::optional<StampNs> at_ns = std::nullopt) const;
 
   /// Moves the vehicle to another place on the ground.
   /// @return false if there is no vehicle, or no ground at that place
@@ -57,6 +62,7 @@ class Scene {
   struct Device;
   struct Part;
   std::shared_ptr<const Part> vehicle() const;
+  void cast_at_movers(const Vec3f& origin, const Vec3f* directions, std::size_t count, StampNs at_ns, Hit* hits) const;
 
   World world_;
   std::shared_ptr<Device> device_;

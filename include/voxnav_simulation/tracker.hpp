@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "voxnav_simulation/dynamics_limits.hpp"
@@ -43,6 +44,11 @@ class Tracker {
   void go_to(const HeadedPoint& goal);
   void brake();
   void follow(const TrackedTrajectory& trajectory);
+  /// Raises the reference to a least height, and leaves a share of the horizontal speed limit; as for flying over
+  /// another UAV. The trajectory goes on meanwhile.
+  void set_floor(std::optional<double> floor_m, double speed_ratio);
+  /// Moves state, goal and trajectory by a jump of their frame.
+  void shift(const Vec3& jump);
 
   void step();
   KinematicState state() const { return now_.state; }
@@ -69,12 +75,15 @@ class Tracker {
     bool use_heading;
     bool is_loop;
     std::int64_t input_id;
+    Vec3 offset = Vec3::Zero();  ///< by which the frame has jumped since
   };
   Motion next(const Motion& motion) const;
   void update_mode(Motion* motion) const;
 
   TrackerLimits limits_;
   std::shared_ptr<const Followed> trajectory_;
+  std::optional<double> floor_m_;
+  double speed_ratio_ = 1.0;
   Motion now_;
   std::deque<Motion> ahead_;  ///< ahead_[i] is i + 1 steps ahead
 };

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "voxnav_simulation/dynamics_limits.hpp"
 #include "voxnav_simulation/gnss_drift.hpp"
 #include "voxnav_simulation/imu_model.hpp"
+#include "voxnav_simulation/sensed_world.hpp"
 #include "voxnav_simulation/tracker.hpp"
+#include "voxnav_simulation/uav_faults.hpp"
 
 namespace voxnav_simulation {
 
@@ -48,18 +50,24 @@ struct CommandResult {
   std::string message;
 };
 
+/// The parts of a simulated vehicle.
+struct UavSetup {
+  UavConfig uav;
+  GnssDriftConfig drift;
+  ImuConfig imu;
+  TrackerLimits limits = limits_of(UavConstraintsConfig{}, ConstraintSet::kMedium);
+  UavFaults faults;
+};
+
 /// A multirotor as mapping and planning see it: it follows references within limits, tilts as its accelerations
 /// require, and controls by an estimate that drifts away from the truth. Commands and predictions are in the frame O of
-/// the estimate; the true position is the estimated one minus the drift. One step is kStep_s. Deterministic for a seed.
-/// Not thread-safe.
+/// the estimate; the true position is that of the body in O minus the drift. Without faults the body is where the
+/// tracker's state is, and the estimate shows it exactly. One step is kStep_s. Deterministic for a seed. Not
+/// thread-safe.
 class Uav {
  public:
-  /// Returns the height of the ground at x, y in the world, or nothing outside of the world.
-  using GroundHeight = std::function<std::optional<double>(double x, double y)>;
-
   /// @throws voxnav::base::ConfigError
-  Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const TrackerLimits& limits,
-      std::uint64_t seed, GroundHeight ground = {});
+  Uav(const UavSetup& setup, std::uint64_t seed, SensedWorld sensed_world = {});
 
   void step();
   voxnav::base::StampNs stamp_ns() const { return stamp_ns_; }
@@ -78,7 +86,14 @@ class Uav {
   const BodyState& truth() const { return truth_; }        ///< in W
   const BodyState& estimate() const { return estimate_; }  ///< in O
   const ImuReading& imu() const { return imu_; }           ///< the measurement of the last step
-  Vec3 drift() const { return drift_.position(); }
+  /// The position in O minus that in W, which includes jumps of the estimator.
+  Vec3 drift() const { return drift_.position() + jump_; }
+  /// How often the estimator was reset, so that O jumped.
+  std::uint32_t estimator_iteration() const { return estimator_iteration_; }
+  /// Whether an obstacle repels the vehicle, so that callbacks are disabled.
+  bool is_repelled() const { return is_repelled_; }
+  /// Whether the vehicle flies over another one.
+  bool is_avoiding() const { return climb_.floor_m().has_value(); }
   /// Returns the height of the body above the ground, or nothing outside of the world.
   std::optional<double> height_m() const;
   /// Returns the range to the ground along the body's z axis, or nothing if the ground is out of range.
@@ -90,17 +105,33 @@ class Uav {
 
  private:
   std::string refusal() const;
+  std::string reference_refusal() const;
   void place(double dt_s);
   void stand();
+  void meet_faults();
+  bool has_room_above() const;
+  void meet_obstacles();
   void update_phase();
   void measure(const BodyState& before);
 
   UavConfig config_;
-  GroundHeight ground_;
+  RefusalsConfig refusals_;
+  AvoidanceConfig avoidance_;
+  SensedWorld sensed_world_;
   GnssDrift drift_;
   ImuModel imu_model_;
   Rng random_;
   Tracker tracker_;
+  bool is_free_;  ///< whether the body moves by its own response and not exactly as the tracker
+  TrackingResponse response_;
+  Wind wind_;
+  StateNoise noise_;
+  AvoidanceClimb climb_;
+  Bumper bumper_;
+  EstimatorResets resets_;
+  Vec3 jump_ = Vec3::Zero();
+  std::uint32_t estimator_iteration_ = 0;
+  bool is_repelled_ = false;
   voxnav::base::StampNs stamp_ns_ = 0;
   FlightPhase phase_ = FlightPhase::kIdle;
   Vec3 standing_W_ = Vec3::Zero();

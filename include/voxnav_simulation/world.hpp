@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voxnav_simulation/mesh.hpp"
+#include "voxnav_simulation/movers.hpp"
 #include "voxnav_simulation/terrain.hpp"
 #include "voxnav_simulation/world_config.hpp"
 
@@ -46,6 +47,8 @@ class World {
   const WorldMesh& vehicle_mesh() const { return vehicle_mesh_; }
   const std::vector<Stem>& stems() const { return stems_; }
   const WorldCounts& counts() const { return counts_; }
+  /// Persons and other UAVs, which are not part of the mesh.
+  const std::vector<Mover>& movers() const { return movers_; }
   std::optional<double> ground_height(double x, double y) const { return terrain_.height(x, y); }
   /// Returns the pose of the vehicle when it stands level on the ground, or nothing outside of the terrain.
   std::optional<Pose> vehicle_pose(double x, double y, double heading_rad) const;
@@ -58,6 +61,7 @@ class World {
   WorldMesh vehicle_mesh_;
   std::vector<Stem> stems_;
   WorldCounts counts_;
+  std::vector<Mover> movers_;
 };
 
 /// Writes the static mesh, and the vehicle if a pose is given, as a PLY file. Its header holds seed and configuration.

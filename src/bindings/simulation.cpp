@@ -22,13 +22,22 @@ py::object optional_pose(const std::optional<Pose>& pose) {
   return pose_array(*pose);
 }
 
-py::array_t<double> clearance(const Scene& scene, const py::array& points, double max_m) {
+/// @throws py::value_error unless the time is within what a stamp can hold
+std::optional<StampNs> stamp_of(const std::optional<double>& stamp_s) {
+  if (!stamp_s) return std::nullopt;
+  if (!(std::abs(*stamp_s) < 1e9)) throw py::value_error("stamp_s must be within 1e9 seconds of 0");
+  return base::from_seconds(*stamp_s);
+}
+
+py::array_t<double> clearance(const Scene& scene, const py::array& points, double max_m,
+                              const std::optional<double>& stamp_s) {
+  const auto at_ns = stamp_of(stamp_s);
   const double* data = data_of<double>(points, "points", {-1, 3});
   std::vector<double> out(static_cast<std::size_t>(points.shape(0)));
   {
     const py::gil_scoped_release release;
     for (std::size_t i = 0; i < out.size(); ++i)
-      out[i] = scene.clearance(row(data, static_cast<py::ssize_t>(i)), max_m);
+      out[i] = scene.clearance(row(data, static_cast<py::ssize_t>(i)), max_m, at_ns);
   }
   return array_from(std::move(out), 0);
 }
@@ -86,6 +95,17 @@ py::dict mesh_arrays(const Scene& scene) {
   out["triangles"] = array_from(std::move(triangles), 3);
   out["classes"] = array_from(std::move(classes), 0);
   return out;
+}
+
+py::array_t<double> mover_rows(const Scene& scene, double stamp_s) {
+  const StampNs at_ns = *stamp_of(stamp_s);
+  std::vector<double> out;
+  for (const Mover& mover : scene.world().movers()) {
+    const Vec3 p = mover.at(at_ns);
+    out.insert(out.end(),
+               {p.x(), p.y(), p.z(), mover.radius_m, mover.height_m, static_cast<double>(mover.surface_class)});
+  }
+  return array_from(std::move(out), 6);
 }
 
 py::array_t<double> stem_rows(const Scene& scene) {
@@ -154,7 +174,8 @@ void bind_scene(py::module_& m) {
           "save_ply", [](const Scene& s, const std::string& path) { save_ply(s.world(), s.vehicle_pose(), path); },
           py::arg("path"))
       .def("ground_height", &ground_height, py::arg("points"))
-      .def("clearance", &clearance, py::arg("points"), py::arg("max_m"))
+      .def("clearance", &clearance, py::arg("points"), py::arg("max_m"), py::arg("stamp_s") = py::none())
+      .def("movers", &mover_rows, py::arg("stamp_s"))
       .def("nearest", &nearest, py::arg("points"), py::arg("max_m"))
       .def("cast", &cast, py::arg("origins"), py::arg("directions"), py::arg("max_range_m"))
       .def("move_vehicle", &Scene::move_vehicle, py::arg("x"), py::arg("y"), py::arg("heading_rad"))

@@ -19,11 +19,10 @@ TrackerLimits limits_named(const std::string& word) {
 }
 
 std::unique_ptr<Uav> make_uav(const UavConfig& config, std::uint64_t seed, const GnssDriftConfig& drift,
-                              const ImuConfig& imu, const std::string& constraints,
-                              const std::shared_ptr<Scene>& scene) {
-  Uav::GroundHeight ground;
-  if (scene) ground = [scene](double x, double y) { return scene->world().ground_height(x, y); };
-  return std::make_unique<Uav>(config, drift, imu, limits_named(constraints), seed, ground);
+                              const ImuConfig& imu, const std::string& constraints, const std::shared_ptr<Scene>& scene,
+                              const UavFaults& faults) {
+  const UavSetup setup{config, drift, imu, limits_named(constraints), faults};
+  return std::make_unique<Uav>(setup, seed, scene ? sensed_world_of(scene) : SensedWorld{});
 }
 
 std::vector<HeadedPoint> headed_points(const py::array& array, const char* name) {
@@ -139,7 +138,11 @@ void bind_state(py::class_<Uav>* cls) {
       .def_property_readonly(
           "velocity", [](const Uav& u) { return vector3(u.truth().velocity); }, "True, in W, m/s.")
       .def_property_readonly(
-          "drift", [](const Uav& u) { return vector3(u.drift()); }, "Estimated minus true position, m.")
+          "drift", [](const Uav& u) { return vector3(u.drift()); },
+          "Position of the body in O minus that in W, m; jumps of the estimator included.")
+      .def_property_readonly("estimator_iteration", &Uav::estimator_iteration, "How often the estimator was reset.")
+      .def_property_readonly("is_repelled", &Uav::is_repelled, "Whether the bumper pushes the vehicle.")
+      .def_property_readonly("is_avoiding", &Uav::is_avoiding, "Whether the vehicle climbs over another UAV.")
       .def_property_readonly("has_goal", [](const Uav& u) { return u.tracker().has_goal(); })
       .def_property_readonly(
           "height_m", [](const Uav& u) { return u.height_m(); }, "Above the ground; None outside.")
@@ -150,7 +153,7 @@ void bind_uav_class(py::module_& m) {
   py::class_<Uav> cls(m, "Uav", "A simulated multirotor. Commands live in the drifting frame O of its estimate.");
   cls.def(py::init(&make_uav), py::arg("config") = UavConfig{}, py::arg("seed") = 0,
           py::arg("drift") = GnssDriftConfig{}, py::arg("imu") = ImuConfig{}, py::arg("constraints") = "medium",
-          py::arg("scene") = nullptr)
+          py::arg("scene") = nullptr, py::arg("faults") = UavFaults{})
       .def("step", &step, py::arg("duration_s"),
            "Advances time in steps of 0.005 s.\n\nReturns (n, 7) float64: stamp in s, angular velocity in rad/s and "
            "specific force in m/s^2, body frame, of every step.")
@@ -176,9 +179,30 @@ void bind_uav_class(py::module_& m) {
   bind_state(&cls);
 }
 
+void bind_faults(py::module_& m) {
+  bind_config<TrackingConfig>(m, "TrackingConfig", "How the vehicle lags behind its tracker.");
+  bind_config<WindConfig>(m, "WindConfig", "Mean wind and gusts.");
+  bind_config<StateNoiseConfig>(m, "StateNoiseConfig", "Noise of the estimated state.");
+  bind_config<RefusalsConfig>(m, "RefusalsConfig", "When references are refused.");
+  bind_config<AvoidanceConfig>(m, "AvoidanceConfig", "Climbs over other UAVs.");
+  bind_config<BumperConfig>(m, "BumperConfig", "Repulsion from near obstacles.");
+  bind_config<EstimatorResetsConfig>(m, "EstimatorResetsConfig", "Jumps of the estimator's frame.");
+  py::class_<UavFaults>(m, "UavFaults",
+                        "What a real vehicle does differently from what it is told; all off by default.")
+      .def(py::init<>())
+      .def_readwrite("tracking", &UavFaults::tracking)
+      .def_readwrite("wind", &UavFaults::wind)
+      .def_readwrite("state_noise", &UavFaults::state_noise)
+      .def_readwrite("refusals", &UavFaults::refusals)
+      .def_readwrite("avoidance", &UavFaults::avoidance)
+      .def_readwrite("bumper", &UavFaults::bumper)
+      .def_readwrite("resets", &UavFaults::resets);
+}
+
 }  // namespace
 
 void bind_uav(py::module_& m) {
+  bind_faults(m);
   bind_config<UavConfig>(m, "UavConfig", "The simulated vehicle.");
   bind_config<GnssDriftConfig>(m, "GnssDriftConfig", "How the estimated pose drifts.");
   bind_config<ImuConfig>(m, "ImuConfig", "Bias and noise of the inertial unit.");

@@ -26,6 +26,8 @@
 #include "voxnav_simulation/depth_camera_simulator_config.hpp"
 #include "voxnav_simulation/lidar_config.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
+#include "voxnav_simulation/losses.hpp"
+#include "voxnav_simulation/service_times.hpp"
 #include "voxnav_simulation/trajectory_generator.hpp"
 #include "voxnav_simulation/uav.hpp"
 #include "voxnav_simulation/uav_simulator_config.hpp"
@@ -104,10 +106,15 @@ int main() {
         {section<simulation::LidarConfig>("lidar"), section<simulation::LidarSimulatorConfig>("node")});
   print("depth_camera_simulator",
         {section<simulation::DepthCameraConfig>("camera"), section<simulation::DepthCameraSimulatorConfig>("node")});
-  print("uav_simulator", {section<simulation::UavSimulatorConfig>("node"), section<simulation::UavConfig>("uav"),
-                          section<simulation::GnssDriftConfig>("drift"), section<simulation::ImuConfig>("imu"),
-                          section<simulation::UavConstraintsConfig>("constraints"),
-                          section<simulation::TrajectoryGeneratorConfig>("generator")});
+  print("uav_simulator",
+        {section<simulation::UavSimulatorConfig>("node"), section<simulation::UavConfig>("uav"),
+         section<simulation::GnssDriftConfig>("drift"), section<simulation::ImuConfig>("imu"),
+         section<simulation::UavConstraintsConfig>("constraints"),
+         section<simulation::TrajectoryGeneratorConfig>("generator"), section<simulation::TrackingConfig>("tracking"),
+         section<simulation::WindConfig>("wind"), section<simulation::StateNoiseConfig>("state_noise"),
+         section<simulation::RefusalsConfig>("refusals"), section<simulation::AvoidanceConfig>("avoidance"),
+         section<simulation::BumperConfig>("bumper"), section<simulation::EstimatorResetsConfig>("resets"),
+         section<simulation::ServiceTimesConfig>("services"), section<simulation::LossesConfig>("losses")});
 #endif
   print("submap_integrator",
         {section<ros_::SubmapIntegratorConfig>("node"), section<voxnav::submap::SubmapConfig>("submap"),

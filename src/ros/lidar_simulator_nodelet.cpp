@@ -6,12 +6,14 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "voxnav/MoveVehicle.h"
+#include "voxnav/Progress.h"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_simulation/cloud_encoder.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
+#include "voxnav_simulation/losses.hpp"
 #include "voxnav_simulation/sweep_scheduler.hpp"
 #include "world_markers.hpp"
 
@@ -23,6 +25,7 @@ using voxnav_simulation::DriverLayout;
 constexpr double kLogPeriod_s = 5.0;
 // True poses that may wait while a turn is computed; they come at 250 Hz.
 constexpr int kTruthQueue = 1000;
+constexpr std::uint64_t kLossStream = 0x6c6f737300;
 
 sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, const std_msgs::Header& header) {
   auto msg = boost::make_shared<sensor_msgs::PointCloud2>();
@@ -56,7 +59,9 @@ class LidarSimulatorNodelet : public NodeletBase {
     ros::NodeHandle& nh = getPrivateNodeHandle();
     cloud_ = nh.advertise<sensor_msgs::PointCloud2>("cloud_out", 5);
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
+    movers_ = nh.advertise<visualization_msgs::MarkerArray>("movers_out", 5);
     publish_mount(lidar.T_B_L());
+    if (!config_.waiting_nodes.empty()) progress_ = nh.advertise<msg::Progress>("progress_out", 50);
     move_vehicle_ = nh.advertiseService("move_vehicle", &LidarSimulatorNodelet::on_move_vehicle, this);
     report_world();
   }
@@ -91,7 +96,27 @@ class LidarSimulatorNodelet : public NodeletBase {
     }
     show_world(msg->header.frame_id);
     scheduler_->add_truth({to_ns(msg->header.stamp), *pose});
-    while (const auto sweep = scheduler_->next()) measure(*sweep);
+    while (const auto sweep = scheduler_->next()) {
+      is_lost(*sweep) ? lose(*sweep) : measure(*sweep);
+      show_movers(*sweep);
+      publish_progress(to_ros(sweep->start_ns));
+    }
+  }
+
+  bool is_lost(const voxnav_simulation::SimulatedSweep& sweep) const {
+    return voxnav_simulation::is_lost(config_.loss_ratio, static_cast<std::uint64_t>(config_.seed), kLossStream,
+                                      sweep.start_ns);
+  }
+
+  /// A cloud that never arrives is nothing to wait for.
+  void lose(const voxnav_simulation::SimulatedSweep& sweep) {
+    diagnostics().set_counter("clouds_lost", static_cast<double>(++num_lost_));
+    for (const std::string& node : config_.waiting_nodes) {
+      msg::Progress progress;
+      progress.node = node;
+      progress.stamp = to_ros(sweep.start_ns);
+      progress_.publish(progress);
+    }
   }
 
   void measure(const voxnav_simulation::SimulatedSweep& sweep) {
@@ -107,7 +132,6 @@ class LidarSimulatorNodelet : public NodeletBase {
     diagnostics().set_counter("truth_gaps", static_cast<double>(counts.truth_gaps));
     diagnostics().set_counter("time_jumps_back", static_cast<double>(counts.time_jumps));
     diagnostics().set_level(msg::NodeDiagnostics::OK, "");
-    publish_progress(header.stamp);
   }
 
   void refuse_truth() {
@@ -123,6 +147,12 @@ class LidarSimulatorNodelet : public NodeletBase {
     if (frame_id == world_frame_id_ || frame_id.empty()) return;
     world_frame_id_ = frame_id;
     publish_markers();
+  }
+
+  void show_movers(const voxnav_simulation::SimulatedSweep& sweep) {
+    if (scene_->world().movers().empty() || movers_.getNumSubscribers() == 0) return;
+    const std::lock_guard<std::mutex> lock(marker_mutex_);
+    movers_.publish(mover_markers(*scene_, world_frame_id_, sweep.start_ns));
   }
 
   void publish_markers() {
@@ -146,11 +176,11 @@ class LidarSimulatorNodelet : public NodeletBase {
   std::shared_ptr<voxnav_simulation::Scene> scene_;
   std::unique_ptr<voxnav_simulation::LidarModel> model_;
   std::unique_ptr<voxnav_simulation::SweepScheduler> scheduler_;
-  std::uint64_t num_refused_ = 0;
+  std::uint64_t num_refused_ = 0, num_lost_ = 0;
   std::mutex marker_mutex_;  ///< guards world_frame_id_ and the order of marker messages
   std::string world_frame_id_;
   tf2_ros::StaticTransformBroadcaster static_tf_;
-  ros::Publisher cloud_, markers_;
+  ros::Publisher cloud_, markers_, movers_, progress_;
   ros::ServiceServer move_vehicle_;
   ros::Subscriber truth_;
 };

@@ -78,4 +78,20 @@ visualization_msgs::MarkerArray world_markers(const voxnav_simulation::Scene& sc
   return out;
 }
 
+visualization_msgs::MarkerArray mover_markers(const voxnav_simulation::Scene& scene, const std::string& frame_id,
+                                              voxnav::base::StampNs stamp_ns) {
+  visualization_msgs::MarkerArray out;
+  for (const voxnav_simulation::Mover& mover : scene.world().movers()) {
+    Marker marker = empty_marker(frame_id, "movers", mover.surface_class);
+    marker.header.stamp = to_ros(stamp_ns);
+    marker.id = static_cast<int>(out.markers.size());
+    marker.type = Marker::CYLINDER;
+    marker.pose.position = to_msg(mover.at(stamp_ns) + voxnav::geometry::Vec3(0, 0, 0.5 * mover.height_m));
+    marker.scale.x = marker.scale.y = 2.0 * mover.radius_m;
+    marker.scale.z = mover.height_m;
+    out.markers.push_back(marker);
+  }
+  return out;
+}
+
 }  // namespace voxnav_ros

@@ -14,4 +14,8 @@ namespace voxnav_ros {
 visualization_msgs::MarkerArray world_markers(const voxnav_simulation::Scene& scene, const std::string& frame_id,
                                               std::size_t max_triangles);
 
+/// The persons and other UAVs of the world where they are at a time, as cylinders (namespace "movers").
+visualization_msgs::MarkerArray mover_markers(const voxnav_simulation::Scene& scene, const std::string& frame_id,
+                                              voxnav::base::StampNs stamp_ns);
+
 }  // namespace voxnav_ros

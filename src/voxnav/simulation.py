@@ -20,14 +20,22 @@ import numpy as np
 from voxnav import _simulation
 from voxnav._simulation import (
     CLASSES,
+    AvoidanceConfig,
+    BumperConfig,
     DepthCameraConfig,
+    EstimatorResetsConfig,
     GnssDriftConfig,
     ImuConfig,
     LidarConfig,
+    RefusalsConfig,
+    StateNoiseConfig,
+    TrackingConfig,
     TrajectoryGeneratorConfig,
     Uav,
     UavConfig,
     UavConstraintsConfig,
+    UavFaults,
+    WindConfig,
     WorldConfig,
     generate_trajectory,
 )
@@ -35,18 +43,26 @@ from voxnav.array_types import Array, ArrayLike
 
 __all__ = [
     "CLASSES",
+    "AvoidanceConfig",
+    "BumperConfig",
     "DepthCamera",
     "DepthCameraConfig",
+    "EstimatorResetsConfig",
     "GnssDriftConfig",
     "ImuConfig",
     "Lidar",
     "LidarConfig",
+    "RefusalsConfig",
     "SimulatedScan",
+    "StateNoiseConfig",
     "Stems",
+    "TrackingConfig",
     "TrajectoryGeneratorConfig",
     "Uav",
     "UavConfig",
     "UavConstraintsConfig",
+    "UavFaults",
+    "WindConfig",
     "World",
     "WorldConfig",
     "generate_trajectory",
@@ -128,9 +144,16 @@ class World:
         heights = self.scene.ground_height(_rows(np.stack([x, y], axis=-1), 2)).reshape(x.shape)
         return float(heights) if heights.ndim == 0 else heights
 
-    def clearance(self, points: ArrayLike, max_m: float = 100.0) -> Array:
-        """Returns the unsigned distance (n,) of (n, 3) points to the nearest surface; max_m if none is closer."""
-        return self.scene.clearance(_rows(points, 3), max_m)
+    def clearance(self, points: ArrayLike, max_m: float = 100.0, stamp_s: float | None = None) -> Array:
+        """Returns the unsigned distance (n,) of (n, 3) points to the nearest surface; max_m if none is closer.
+
+        Persons and other UAVs count where they are at the time stamp_s; without one they do not.
+        """
+        return self.scene.clearance(_rows(points, 3), max_m, stamp_s)
+
+    def movers(self, stamp_s: float) -> Array:
+        """Returns the persons and other UAVs at a time: (n, 6) bottom x y z, radius, height, class (CLASSES)."""
+        return self.scene.movers(stamp_s)
 
     def nearest(self, points: ArrayLike, max_m: float = 100.0) -> tuple[Array, Array]:
         """Returns distance (n,) and class (n,) uint8 of the nearest surface; NaN and 255 if none is within max_m."""

@@ -87,6 +87,17 @@ def test_faults_are_simulated_only_when_they_are_asked_for(tmp_path):
     assert both["/uav1/lidar_simulator/lidar/speckle_ratio"].value == 0.5
 
 
+def test_time_of_services_passes_where_it_can():
+    services, losses = "/uav1/uav_simulator/services/is_enabled", "/uav1/lidar_simulator/node/loss_ratio"
+    free = loaded("simulation", "faults:=true").params
+    waiting = loaded("simulation", "faults:=true", "lockstep:=true").params
+    assert free[services].value and not waiting[services].value
+    assert waiting[losses].value > 0.0
+    assert "local_mapper" in waiting["/uav1/lidar_simulator/node/waiting_nodes"].value
+    several = loaded("simulation", "faults:=true", "lockstep:=true", "tilted_lidar:=true").params
+    assert several[losses].value == 0.0
+
+
 @pytest.mark.parametrize("asked, initial, limit", [("", "medium", 8.0), ("2", "medium", 2.0), ("4.0", "medium", 4.0),
                                                    ("6", "fast", 6.0)])
 def test_a_speed_limit_chooses_the_constraints(asked, initial, limit):

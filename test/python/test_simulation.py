@@ -150,3 +150,23 @@ def test_shipped_node_parameters_are_the_defaults():
     assert shipped["lidar"] == simulation.LidarConfig().to_dict()
     assert shipped["node"] == simulation._simulation.LidarSimulatorConfig().to_dict()
     assert shipped["time"] == voxnav.TimeConfig().to_dict()
+
+
+def test_persons_walk_and_are_seen_where_they_are():
+    fields = {"trees_per_ha": 0.0, "bushes_per_ha": 0.0, "rocks_per_ha": 0.0, "num_poles": 0, "num_walls": 0,
+              "num_houses": 0, "terrain_amplitude_m": 0.0, "terrain_roughness_m": 0.0,
+              "walker_waypoints": [0, 8.0, -3.0, 0, 8.0, 3.0]}
+    world = simulation.World(fields, seed=1)
+    assert np.allclose(world.movers(0.0), [[8.0, -3.0, 0.0, 0.25, 1.75, CLASSES["person"]]])
+    assert np.allclose(world.movers(2.0)[0, :2], (8.0, -0.2))
+    assert np.allclose(world.clearance([(8.0, -2.0, 1.0)], stamp_s=0.0), 0.75)
+    assert np.allclose(world.clearance([(8.0, -2.0, 1.0)]), 1.0), "without a time there are no persons"
+    lidar = simulation.Lidar(columns=512, dropout_ratio=0.0)
+    for index in (0, 20):
+        scan = lidar.scan(world, simulation.pose(0, 0, 1.0), simulation.pose(0, 0, 1.0), scan_index=index)
+        persons = scan.organised[scan.labels == CLASSES["person"]][:, :2]
+        # The beams that look ahead are those in the middle of a turn.
+        assert len(persons) > 20
+        assert np.linalg.norm(persons.mean(axis=0) - world.movers(0.1 * index + 0.05)[0, :2]) < 0.35
+    with pytest.raises(voxnav.ConfigError, match="walker_waypoints"):
+        simulation.World(dict(fields, walker_waypoints=[0, 8.0]))

@@ -11,11 +11,13 @@ namespace voxnav_ros {
 namespace {
 
 using voxnav_simulation::HeadedPoint;
+using voxnav_simulation::ServiceTimes;
 using voxnav_simulation::TrackedTrajectory;
 using voxnav_simulation::TrackerMode;
 
 constexpr double kDefaultDt_s = 0.2;
 constexpr double kLogPeriod_s = 1.0;
+constexpr double kMaxStandstill_s = 5.0;  ///< wall time after which a service no longer waits for simulated time
 
 HeadedPoint from_msg(const mrs_msgs::Reference& reference) {
   return {voxnav_ros::from_msg(reference.position), reference.heading};
@@ -41,10 +43,34 @@ UavCommands::UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFra
   advertise_trajectories(nh);
 }
 
+void UavCommands::let_pass(Duration duration) {
+  voxnav::base::StampNs until_ns = 0;
+  const auto now_ns = [this] { return shared_.uav->stamp_ns(); };
+  {
+    const std::lock_guard<std::mutex> lock(*shared_.mutex);
+    const voxnav::base::StampNs duration_ns = (shared_.service_times->*duration)();
+    if (duration_ns == 0) return;
+    until_ns = now_ns() + duration_ns;
+  }
+  const ros::WallTime begin = ros::WallTime::now();
+  while (ros::ok()) {
+    {
+      const std::lock_guard<std::mutex> lock(*shared_.mutex);
+      if (now_ns() >= until_ns) return;
+    }
+    if ((ros::WallTime::now() - begin).toSec() > kMaxStandstill_s) {
+      ROS_WARN_THROTTLE(kLogPeriod_s, "[UavSimulator]: simulated time stands still, so a service answers at once");
+      return;
+    }
+    ros::WallDuration(0.001).sleep();
+  }
+}
+
 void UavCommands::trigger(ros::NodeHandle& nh, const std::string& name, const std::function<Result()>& command) {
   using Callback = boost::function<bool(Trigger::Request&, Trigger::Response&)>;
   services_.push_back(
       nh.advertiseService(name, Callback([this, command](Trigger::Request&, Trigger::Response& response) {
+                            let_pass(&ServiceTimes::command_ns);
                             const std::lock_guard<std::mutex> lock(*shared_.mutex);
                             const Result result = command();
                             response.success = result.success;
@@ -90,6 +116,7 @@ void UavCommands::advertise_references(ros::NodeHandle& nh) {
   services_.push_back(nh.advertiseService("control_manager/reference",
                                           boost::function<bool(Stamped::Request&, Stamped::Response&)>(
                                               [this](Stamped::Request& request, Stamped::Response& response) {
+                                                let_pass(&ServiceTimes::command_ns);
                                                 const Result result = go_to(request.header, request.reference);
                                                 response.success = result.success;
                                                 response.message = result.message;
@@ -98,6 +125,7 @@ void UavCommands::advertise_references(ros::NodeHandle& nh) {
   services_.push_back(nh.advertiseService(
       "control_manager/goto", boost::function<bool(mrs_msgs::Vec4::Request&, mrs_msgs::Vec4::Response&)>(
                                   [this](mrs_msgs::Vec4::Request& request, mrs_msgs::Vec4::Response& response) {
+                                    let_pass(&ServiceTimes::command_ns);
                                     mrs_msgs::Reference reference;
                                     reference.position.x = request.goal[0];
                                     reference.position.y = request.goal[1];
@@ -127,6 +155,7 @@ void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
   services_.push_back(nh.advertiseService(
       "control_manager/trajectory_reference",
       boost::function<bool(Fly::Request&, Fly::Response&)>([this](Fly::Request& request, Fly::Response& response) {
+        let_pass(&ServiceTimes::command_ns);
         const Result result = fly(request.trajectory);
         response.success = result.success;
         response.message = result.message;
@@ -143,14 +172,18 @@ void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
   using Get = mrs_msgs::GetPathSrv;
   services_.push_back(nh.advertiseService(
       "trajectory_generation/get_path",
-      boost::function<bool(Get::Request&, Get::Response&)>(
-          [this](Get::Request& request, Get::Response& response) { return get_path(request.path, &response); })));
+      boost::function<bool(Get::Request&, Get::Response&)>([this](Get::Request& request, Get::Response& response) {
+        get_path(request.path, &response);
+        let_pass(&ServiceTimes::generator_ns);
+        return true;
+      })));
   using Path = mrs_msgs::PathSrv;
   services_.push_back(nh.advertiseService(
       "trajectory_generation/path",
       boost::function<bool(Path::Request&, Path::Response&)>([this](Path::Request& request, Path::Response& response) {
         Get::Response generated;
         get_path(request.path, &generated);
+        let_pass(&ServiceTimes::generator_ns);
         response.success = generated.success;
         response.message = generated.message;
         if (!generated.success) return true;

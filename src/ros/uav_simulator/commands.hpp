@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "frames.hpp"
+#include "voxnav_simulation/service_times.hpp"
 #include "voxnav_simulation/trajectory_generator.hpp"
 #include "voxnav_simulation/uav.hpp"
 
@@ -29,9 +30,10 @@ namespace voxnav_ros {
 class UavCommands {
  public:
   struct Shared {
-    std::mutex* mutex;  ///< guards uav and constraints
+    std::mutex* mutex;  ///< guards everything below
     voxnav_simulation::Uav* uav;
     voxnav_simulation::ConstraintSet* constraints;
+    voxnav_simulation::ServiceTimes* service_times;
   };
   /// @param take_off_refusal  is asked before take-off; an empty answer allows it, any other is the reason why not
   UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,
@@ -42,7 +44,10 @@ class UavCommands {
  private:
   using Result = voxnav_simulation::CommandResult;
   using Trigger = std_srvs::Trigger;
+  using Duration = voxnav::base::StampNs (voxnav_simulation::ServiceTimes::*)();
 
+  /// Lets the simulated time of a service pass; to be called while nothing is locked.
+  void let_pass(Duration duration);
   void advertise_triggers(ros::NodeHandle& nh);
   void advertise_references(ros::NodeHandle& nh);
   void advertise_trajectories(ros::NodeHandle& nh);
@@ -65,7 +70,7 @@ class UavCommands {
   };
   Plan plan(const mrs_msgs::Path& path, const voxnav::geometry::Pose& T_O_path);
   void set_start(const mrs_msgs::Path& path, voxnav_simulation::PathRequest* request, Plan* out);
-  bool get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response);
+  void get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response);
 
   Shared shared_;
   const UavFrames& frames_;

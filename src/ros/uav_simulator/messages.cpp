@@ -68,13 +68,14 @@ nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& head
   return out;
 }
 
-mrs_msgs::UavState uav_state(const BodyState& state, const std_msgs::Header& header, const std::string& child,
+mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, const std::string& child,
                              const std::string& estimator) {
+  const BodyState& state = uav.estimate();
   mrs_msgs::UavState out;
   out.header = header;
   out.child_frame_id = child;
   out.estimator_horizontal = out.estimator_vertical = out.estimator_heading = estimator;
-  out.estimator_iteration = 0;
+  out.estimator_iteration = uav.estimator_iteration();
   out.pose = to_msg(state.pose);
   out.velocity.linear = vector(state.velocity);
   out.velocity.angular = vector(state.angular_velocity);
@@ -131,7 +132,8 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   out.stamp = header.stamp;
   out.uav_name = uav_name;
   out.output_enabled = uav.phase() != FlightPhase::kIdle;
-  out.flying_normally = uav.phase() == FlightPhase::kFlying;
+  out.flying_normally = uav.phase() == FlightPhase::kFlying && !uav.is_repelled();
+  out.bumper_active = uav.is_repelled();
   out.desired_uav_state_rate = 100;
   out.active_tracker = tracker_name(uav);
   out.active_controller = out.output_enabled ? "Se3Controller" : "FailsafeController";
@@ -145,8 +147,8 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   // As the MRS trackers do: whoever watches this sees that somebody let the vehicle hover.
   status.callbacks_enabled = out.flying_normally && uav.tracker().mode() != TrackerMode::kBrake;
   status.state = tracker_state(uav);
-  status.have_goal = out.flying_normally && uav.tracker().has_goal();
-  status.tracking_trajectory = out.flying_normally && uav.tracker().mode() == TrackerMode::kTrajectory;
+  status.have_goal = uav.phase() == FlightPhase::kFlying && uav.tracker().has_goal();
+  status.tracking_trajectory = uav.phase() == FlightPhase::kFlying && uav.tracker().mode() == TrackerMode::kTrajectory;
   status.trajectory_length = static_cast<std::int32_t>(uav.tracker().trajectory_size());
   status.trajectory_idx = static_cast<std::int32_t>(uav.tracker().trajectory_index());
   status.trajectory_reference.header = header;
@@ -168,7 +170,7 @@ mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const TrackerLimit
 mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std_msgs::Header& header,
                                                        const std::string& child, const UavSimulatorConfig& config) {
   mrs_msgs::EstimationDiagnostics out;
-  const auto state = uav_state(uav.estimate(), header, child, config.estimator);
+  const auto state = uav_state(uav, header, child, config.estimator);
   out.header = header;
   out.child_frame_id = child;
   out.pose = state.pose;
@@ -180,6 +182,7 @@ mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std
   out.current_state_estimator = out.estimator_horizontal = out.estimator_vertical = out.estimator_heading =
       config.estimator;
   out.estimator_agl_height = "garmin_agl";
+  out.estimator_iteration = uav.estimator_iteration();
   out.estimation_rate = static_cast<std::uint32_t>(config.state_hz);
   out.running_state_estimators = out.switchable_state_estimators = {config.estimator};
   return out;

@@ -33,7 +33,7 @@ inline double predicted_ahead_s(int i) { return 0.01 + 0.2 * i; }
 /// The odometry, with its twist in the body frame as nav_msgs asks for.
 nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& header, const std::string& child);
 /// The state, with velocity and acceleration in the header's frame as the MRS system has them.
-mrs_msgs::UavState uav_state(const BodyState& state, const std_msgs::Header& header, const std::string& child,
+mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, const std::string& child,
                              const std::string& estimator);
 /// The tracker's command with its prediction of 40 samples, which holds until the next command.
 mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header);

@@ -26,10 +26,10 @@ constexpr double kRangefinderMax_m = 40;
 
 }  // namespace
 
-UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh,
-                       const voxnav_simulation::UavSimulatorConfig& config, const UavFrames& frames,
+UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const Config& config, const UavFrames& frames,
                        std::shared_ptr<const voxnav_simulation::Scene> scene)
-    : config_(config),
+    : config_(config.node),
+      losses_(config.losses),
       frames_(frames),
       scene_(std::move(scene)),
       clock_(nh.advertise<rosgraph_msgs::Clock>("/clock", 10, true)),
@@ -55,6 +55,17 @@ void UavOutputs::later(const ros::Publisher& publisher, const M& message) {
   queue_.push_back([&publisher, message] { publisher.publish(message); });
 }
 
+/// Where time stands still, all nodes take their inputs up to that instant, and nothing of these may be missing.
+bool UavOutputs::is_lost(Kind kind) const {
+  if (!losses_.is_enabled) return false;
+  const voxnav::base::StampNs period_ns = voxnav::base::from_seconds(config_.lockstep_period_s);
+  if (period_ns > 0 && stamp_ns_ % period_ns == 0) return false;
+  const bool is_odometry = kind < Kind::kControl;
+  return voxnav_simulation::is_lost(is_odometry ? losses_.odometry_ratio : losses_.diagnostics_ratio,
+                                    static_cast<std::uint64_t>(config_.seed), static_cast<std::uint64_t>(kind),
+                                    stamp_ns_);
+}
+
 std_msgs::Header UavOutputs::header(const std::string& frame_id) const {
   std_msgs::Header out;
   out.stamp = to_ros(stamp_ns_);
@@ -72,7 +83,8 @@ void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
   note_phase(*uav);
   if (is_due(config_.state_hz)) collect_state(*uav);
   if (is_due(config_.tracker_cmd_hz)) {
-    later(tracker_cmd_, uav_messages::tracker_command(uav, header(frames_.control())));
+    later_unless_lost(Kind::kTrackerCommand, tracker_cmd_,
+                      uav_messages::tracker_command(uav, header(frames_.control())));
   }
   collect_sensors(uav);
   collect_diagnostics(*uav, constraints);
@@ -81,11 +93,12 @@ void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
 
 void UavOutputs::collect_state(const Uav& uav) {
   const auto in_control = header(frames_.control());
-  later(uav_state_, uav_messages::uav_state(uav.estimate(), in_control, frames_.body(), config_.estimator));
-  later(odom_main_, uav_messages::odometry(uav.estimate(), in_control, frames_.body()));
+  later_unless_lost(Kind::kUavState, uav_state_,
+                    uav_messages::uav_state(uav, in_control, frames_.body(), config_.estimator));
+  later_unless_lost(Kind::kOdometry, odom_main_, uav_messages::odometry(uav.estimate(), in_control, frames_.body()));
   later(ground_truth_, uav_messages::odometry(uav.truth(), header(frames_.ground_truth()), frames_.body()));
   const auto tree = frames_.tree(uav, in_control.stamp);
-  queue_.emplace_back([this, tree] { tf_.sendTransform(tree); });
+  if (!is_lost(Kind::kTf)) queue_.emplace_back([this, tree] { tf_.sendTransform(tree); });
 }
 
 void UavOutputs::add_imu(const voxnav_simulation::ImuReading& sample) {
@@ -104,9 +117,11 @@ void UavOutputs::collect_sensors(Uav* uav) {
 void UavOutputs::collect_diagnostics(const Uav& uav, ConstraintSet constraints) {
   const auto in_control = header(frames_.control());
   if (is_due(kSensors_hz)) {
-    later(constraints_, uav_messages::constraints(uav.tracker().limits()));
-    later(control_diagnostics_, uav_messages::control_diagnostics(uav, in_control, config_.uav_name));
-    later(estimation_diagnostics_, uav_messages::estimation_diagnostics(uav, in_control, frames_.body(), config_));
+    later_unless_lost(Kind::kConstraints, constraints_, uav_messages::constraints(uav.tracker().limits()));
+    later_unless_lost(Kind::kControl, control_diagnostics_,
+                      uav_messages::control_diagnostics(uav, in_control, config_.uav_name));
+    later_unless_lost(Kind::kEstimation, estimation_diagnostics_,
+                      uav_messages::estimation_diagnostics(uav, in_control, frames_.body(), config_));
   }
   if (!is_due(kSlow_hz)) return;
   later(constraint_diagnostics_,
@@ -130,7 +145,7 @@ void UavOutputs::note_phase(const Uav& uav) {
 void UavOutputs::watch_clearance(const Uav& uav) {
   msg::Clearance out;
   out.header = header(frames_.ground_truth());
-  out.clearance_m = scene_->clearance(uav.truth().pose.translation(), config_.clearance_max_m);
+  out.clearance_m = scene_->clearance(uav.truth().pose.translation(), config_.clearance_max_m, stamp_ns_);
   if (uav.phase() == FlightPhase::kFlying) {
     min_clearance_m_ = std::min(min_clearance_m_, out.clearance_m);
     if (out.clearance_m < config_.vehicle_radius_m && !has_collided_) {

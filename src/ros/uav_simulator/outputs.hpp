@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "frames.hpp"
+#include "voxnav_simulation/losses.hpp"
 #include "voxnav_simulation/scene.hpp"
 #include "voxnav_simulation/uav.hpp"
 #include "voxnav_simulation/uav_simulator_config.hpp"
@@ -18,8 +19,12 @@ namespace voxnav_ros {
 /// Everything that the simulated vehicle publishes, each topic at its own rate of simulated time. For one thread.
 class UavOutputs {
  public:
-  UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const voxnav_simulation::UavSimulatorConfig& config,
-             const UavFrames& frames, std::shared_ptr<const voxnav_simulation::Scene> scene);
+  struct Config {
+    voxnav_simulation::UavSimulatorConfig node;
+    voxnav_simulation::LossesConfig losses;
+  };
+  UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const Config& config, const UavFrames& frames,
+             std::shared_ptr<const voxnav_simulation::Scene> scene);
 
   /// Collects what is due at this time. To be called while the vehicle is locked.
   void collect(voxnav_simulation::Uav* uav, voxnav_simulation::ConstraintSet constraints);
@@ -39,8 +44,16 @@ class UavOutputs {
   std_msgs::Header header(const std::string& frame_id) const;
   template <class M>
   void later(const ros::Publisher& publisher, const M& message);
+  /// Messages that may be lost, and where: each kind is lost for itself.
+  enum class Kind { kUavState, kOdometry, kTf, kTrackerCommand, kControl, kConstraints, kEstimation };
+  bool is_lost(Kind kind) const;
+  template <class M>
+  void later_unless_lost(Kind kind, const ros::Publisher& publisher, const M& message) {
+    if (!is_lost(kind)) later(publisher, message);
+  }
 
   voxnav_simulation::UavSimulatorConfig config_;
+  voxnav_simulation::LossesConfig losses_;
   const UavFrames& frames_;
   std::shared_ptr<const voxnav_simulation::Scene> scene_;
   voxnav::base::StampNs stamp_ns_ = 0;

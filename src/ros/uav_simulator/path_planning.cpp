@@ -90,16 +90,16 @@ UavCommands::Plan UavCommands::plan(const mrs_msgs::Path& path, const voxnav::ge
   return out;
 }
 
-bool UavCommands::get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response) {
+void UavCommands::get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response) {
   response->success = false;
   const auto T_O_path = frames_.T_control(path.header.frame_id);
   if (!T_O_path) {
     response->message = "no transform from '" + path.header.frame_id + "' to the control frame";
-    return true;
+    return;
   }
   const Plan planned = plan(path, *T_O_path);
   response->message = planned.generated.message;
-  if (!planned.generated.is_valid) return true;
+  if (!planned.generated.is_valid) return;
   const voxnav::geometry::Pose T_path_O = T_O_path->inverse();
   mrs_msgs::TrajectoryReference& out = response->trajectory;
   out.header.frame_id = path.header.frame_id.empty() ? frames_.control() : path.header.frame_id;
@@ -121,7 +121,6 @@ bool UavCommands::get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Res
   response->success = true;
   response->message =
       planned.generated.stops_at_corners ? "trajectory generated, it stops at corners" : "trajectory generated";
-  return true;
 }
 
 }  // namespace voxnav_ros

@@ -11,6 +11,7 @@
 #include "voxnav_ros/messages.hpp"
 #include "voxnav_ros/nodelet_base.hpp"
 #include "voxnav_simulation/scene.hpp"
+#include "voxnav_simulation/service_times.hpp"
 #include "voxnav_simulation/uav.hpp"
 #include "voxnav_simulation/uav_simulator_config.hpp"
 
@@ -38,9 +39,11 @@ class UavSimulatorNodelet : public NodeletBase {
     frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator);
     pacer_ = std::make_unique<Pacer>(config_);
     make_uav();
-    outputs_ = std::make_unique<UavOutputs>(nh, private_nh, config_, *frames_, scene_);
-    commands_ = std::make_unique<UavCommands>(nh, UavCommands::Shared{&mutex_, uav_.get(), &constraint_set_}, *frames_,
-                                              constraints_, generator_, [this] { return take_off_refusal(); });
+    service_times_ = std::make_unique<voxnav_simulation::ServiceTimes>(services_, seed());
+    outputs_ = std::make_unique<UavOutputs>(nh, private_nh, outputs_config_, *frames_, scene_);
+    const UavCommands::Shared shared{&mutex_, uav_.get(), &constraint_set_, service_times_.get()};
+    commands_ = std::make_unique<UavCommands>(nh, shared, *frames_, constraints_, generator_,
+                                              [this] { return take_off_refusal(); });
   }
 
   void start() override {
@@ -52,25 +55,36 @@ class UavSimulatorNodelet : public NodeletBase {
   void load() {
     ParamLoader& params = parameters();
     params.section("node", &config_);
-    params.section("uav", &uav_config_);
-    params.section("drift", &drift_);
-    params.section("imu", &imu_);
+    params.section("uav", &setup_.uav);
+    params.section("drift", &setup_.drift);
+    params.section("imu", &setup_.imu);
     params.section("constraints", &constraints_);
     params.section("generator", &generator_);
+    params.section("tracking", &setup_.faults.tracking);
+    params.section("wind", &setup_.faults.wind);
+    params.section("state_noise", &setup_.faults.state_noise);
+    params.section("refusals", &setup_.faults.refusals);
+    params.section("avoidance", &setup_.faults.avoidance);
+    params.section("bumper", &setup_.faults.bumper);
+    params.section("resets", &setup_.faults.resets);
+    params.section("services", &services_);
+    params.section("losses", &outputs_config_.losses);
     params.finish();
     constraint_set_ = constraints_.initial;
+    setup_.limits = limits_of(constraints_, constraint_set_);
   }
 
   void make_uav() {
-    const auto seed = static_cast<std::uint64_t>(config_.seed);
-    Uav::GroundHeight ground;
+    voxnav_simulation::SensedWorld sensed_world;
     if (!config_.world_yaml.empty()) {
-      scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed);
-      ground = [scene = scene_](double x, double y) { return scene->world().ground_height(x, y); };
+      scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed());
+      sensed_world = voxnav_simulation::sensed_world_of(scene_);
     }
-    uav_ = std::make_unique<Uav>(uav_config_, drift_, imu_, limits_of(constraints_, constraint_set_), seed, ground);
+    uav_ = std::make_unique<Uav>(setup_, seed(), sensed_world);
     uav_->set_stamp_ns(voxnav::base::from_seconds(config_.start_time_s));
   }
+
+  std::uint64_t seed() const { return static_cast<std::uint64_t>(config_.seed); }
 
   void run() {
     const int steps = 200 / config_.clock_hz;
@@ -129,16 +143,17 @@ class UavSimulatorNodelet : public NodeletBase {
     msg->is_begun ? pacer_->begin(msg->node, to_ns(msg->stamp)) : pacer_->report(msg->node, to_ns(msg->stamp));
   }
 
-  voxnav_simulation::UavSimulatorConfig config_;
-  voxnav_simulation::UavConfig uav_config_;
-  voxnav_simulation::GnssDriftConfig drift_;
-  voxnav_simulation::ImuConfig imu_;
+  UavOutputs::Config outputs_config_;
+  voxnav_simulation::UavSimulatorConfig& config_ = outputs_config_.node;
+  voxnav_simulation::UavSetup setup_;
   voxnav_simulation::UavConstraintsConfig constraints_;
   voxnav_simulation::TrajectoryGeneratorConfig generator_;
+  voxnav_simulation::ServiceTimesConfig services_;
 
   std::shared_ptr<voxnav_simulation::Scene> scene_;
-  std::mutex mutex_;  ///< guards uav_ and constraint_set_
+  std::mutex mutex_;  ///< guards uav_, constraint_set_ and service_times_
   std::unique_ptr<Uav> uav_;
+  std::unique_ptr<voxnav_simulation::ServiceTimes> service_times_;
   voxnav_simulation::ConstraintSet constraint_set_;
   std::unique_ptr<UavFrames> frames_;
   std::unique_ptr<Pacer> pacer_;

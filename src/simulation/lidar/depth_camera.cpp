@@ -48,7 +48,8 @@ DepthPixels DepthCameraModel::image(const Scene& scene, const Pose& T_W_C, std::
   std::vector<Hit> hits(directions_W.size());
   // Beyond the greatest depth lie ranges towards the corners that are longer than it.
   const auto reach_m = static_cast<float>(2.0 * config_.max_range_m);
-  scene.cast(T_W_C.translation().cast<float>(), directions_W.data(), directions_W.size(), reach_m, hits.data());
+  scene.cast(T_W_C.translation().cast<float>(), directions_W.data(), directions_W.size(), reach_m, hits.data(),
+             static_cast<StampNs>(index) * std::llround(1e9 / config_.rate_hz));
   Rng random(seed_, index);
   DepthPixels out(hits.size(), 0.0F);
   for (std::size_t i = 0; i < hits.size(); ++i) {

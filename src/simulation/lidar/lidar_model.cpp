@@ -76,13 +76,13 @@ LidarScan LidarModel::scan(const Scene& scene, const std::vector<Pose>& T_W_L, s
   out.reflectivity.assign(pixels, 0.0F);
   out.labels.assign(pixels, kLabelNone);
   for (int column = 0; column < out.columns; ++column) out.column_times_ns.push_back(column_time_ns(column));
-  const std::uint64_t scan_key = mix_bits(seed_ ^ mix_bits(scan_index));
+  const Turn turn{mix_bits(seed_ ^ mix_bits(scan_index)), static_cast<std::int64_t>(scan_index) * sweep_ns()};
   std::vector<std::thread> helpers;
   const auto first_of = [&](int part) { return out.columns * part / config_.num_threads; };
   for (int part = 1; part < config_.num_threads; ++part) {
-    helpers.emplace_back([&, part] { scan_columns(scene, T_W_L, scan_key, first_of(part), first_of(part + 1), &out); });
+    helpers.emplace_back([&, part] { scan_columns(scene, T_W_L, turn, first_of(part), first_of(part + 1), &out); });
   }
-  scan_columns(scene, T_W_L, scan_key, 0, first_of(1), &out);
+  scan_columns(scene, T_W_L, turn, 0, first_of(1), &out);
   for (std::thread& helper : helpers) helper.join();
   return out;
 }
@@ -91,7 +91,7 @@ std::uint64_t LidarModel::key_of(std::uint64_t scan_key, int column, std::size_t
   return mix_bits(scan_key + kDraws * (static_cast<std::uint64_t>(column) * beams_.size() + beam));
 }
 
-void LidarModel::cast_column(const Scene& scene, const Pose& T_W_L, int column, std::uint64_t scan_key,
+void LidarModel::cast_column(const Scene& scene, const Pose& T_W_L, int column, const Turn& turn,
                              Footprints* out) const {
   const auto c = static_cast<float>(std::cos(azimuth_rad(column)));
   const auto s = static_cast<float>(std::sin(azimuth_rad(column)));
@@ -99,23 +99,23 @@ void LidarModel::cast_column(const Scene& scene, const Pose& T_W_L, int column, 
   const Vec3f forward_W = R * Vec3f(c, s, 0.0F), up_W = R.col(2);
   for (std::size_t i = 0; i < beams_.size(); ++i) {
     out->axes_W[i] = beams_[i].cos_elevation * forward_W + beams_[i].sin_elevation * up_W;
-    const float turn =
-        2.0F * static_cast<float>(M_PI) * upper_uniform(draw(key_of(scan_key, column, i), kFootprintDraw));
-    footprint_->spread(out->axes_W[i], turn, out->rays_W.data() + i * footprint_->num_rays());
+    const float twist =
+        2.0F * static_cast<float>(M_PI) * upper_uniform(draw(key_of(turn.key, column, i), kFootprintDraw));
+    footprint_->spread(out->axes_W[i], twist, out->rays_W.data() + i * footprint_->num_rays());
   }
   scene.cast(T_W_L.translation().cast<float>(), out->rays_W.data(), out->rays_W.size(),
-             static_cast<float>(config_.max_range_m), out->hits.data());
+             static_cast<float>(config_.max_range_m), out->hits.data(), turn.start_ns + column_time_ns(column));
 }
 
-void LidarModel::scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L, std::uint64_t scan_key, int first,
-                              int last, LidarScan* out) const {
+void LidarModel::scan_columns(const Scene& scene, const std::vector<Pose>& T_W_L, const Turn& turn, int first, int last,
+                              LidarScan* out) const {
   Footprints footprints(beams_.size(), footprint_->num_rays());
   for (int column = first; column < last; ++column) {
-    cast_column(scene, T_W_L[static_cast<std::size_t>(column)], column, scan_key, &footprints);
+    cast_column(scene, T_W_L[static_cast<std::size_t>(column)], column, turn, &footprints);
     const auto c = static_cast<float>(std::cos(azimuth_rad(column)));
     const auto s = static_cast<float>(std::sin(azimuth_rad(column)));
     for (std::size_t i = 0; i < beams_.size(); ++i) {
-      const std::uint64_t key = key_of(scan_key, column, i);
+      const std::uint64_t key = key_of(turn.key, column, i);
       const float body_range_m = body_ranges_m_[static_cast<std::size_t>(column) * beams_.size() + i];
       const Target target = target_of(footprints.hits.data() + i * footprint_->num_rays(), body_range_m);
       const bool is_towards_sun = footprints.axes_W[i].dot(sun_W_) >= cos_sun_half_angle_;

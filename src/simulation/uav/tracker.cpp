@@ -36,6 +36,20 @@ FullReference reference_of(const Spline::Value& value) {
   return out;
 }
 
+FullReference moved(FullReference reference, const Vec3& offset) {
+  reference.horizontal.position += offset.head<2>();
+  reference.vertical.position[0] += offset.z();
+  return reference;
+}
+
+/// Raises a reference to a least height. A reference without height, which brakes, is raised if the vehicle is lower.
+void raise(double floor_m, double z_m, FullReference* reference) {
+  MotionReference<1>& vertical = reference->vertical;
+  if ((vertical.has_position ? vertical.position[0] : z_m) >= floor_m) return;
+  vertical = MotionReference<1>{};
+  vertical.position[0] = floor_m;
+}
+
 MotionLimits motion_limits(const TrackerAxisLimits& limits) { return {limits.speed, limits.acceleration, limits.jerk}; }
 
 /// Returns the limits of the vertical motion. The limits of speed may differ upwards and downwards, so the direction of
@@ -129,6 +143,25 @@ void Tracker::follow(const TrackedTrajectory& trajectory) {
   ahead_.clear();
 }
 
+void Tracker::set_floor(std::optional<double> floor_m, double speed_ratio) {
+  if (floor_m == floor_m_) return;
+  floor_m_ = floor_m;
+  speed_ratio_ = floor_m ? speed_ratio : 1.0;
+  ahead_.clear();
+}
+
+void Tracker::shift(const Vec3& jump) {
+  now_.state.position += jump;
+  now_.goal.position += jump;
+  if (floor_m_) *floor_m_ += jump.z();
+  if (trajectory_) {
+    Followed moved = *trajectory_;
+    moved.offset += jump;
+    trajectory_ = std::make_shared<Followed>(std::move(moved));
+  }
+  ahead_.clear();
+}
+
 Tracker::Motion Tracker::next(const Motion& motion) const {
   Motion out = motion;
   FullReference reference;
@@ -137,14 +170,19 @@ Tracker::Motion Tracker::next(const Motion& motion) const {
     if (trajectory_->is_loop && out.time_s > trajectory_->spline.duration_s())
       out.time_s -= trajectory_->spline.duration_s();
     // The reference is taken at this instant rather than one step ahead, so that a state on the trajectory stays on it.
-    reference = reference_of(trajectory_->spline.at(motion.time_s));
+    reference = moved(reference_of(trajectory_->spline.at(motion.time_s)), trajectory_->offset);
   } else {
     reference = reference_at(motion.goal);
     if (motion.mode == TrackerMode::kBrake) {
       reference.horizontal.has_position = reference.vertical.has_position = reference.heading.has_position = false;
     }
   }
-  out.state = advance(motion.state, reference, limits_);
+  TrackerLimits limits = limits_;
+  if (floor_m_) {
+    raise(*floor_m_, motion.state.position.z(), &reference);
+    limits.horizontal.speed *= speed_ratio_;
+  }
+  out.state = advance(motion.state, reference, limits);
   update_mode(&out);
   return out;
 }

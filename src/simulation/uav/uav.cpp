@@ -14,6 +14,16 @@ Vec3 rotation_vector(const Eigen::Matrix3d& R) {
 
 CommandResult refused(const std::string& why) { return {false, why}; }
 
+/// Puts flat, bare ground where the vehicle senses nothing else.
+SensedWorld completed(SensedWorld s) {
+  if (!s.ground_height) s.ground_height = [](double, double) { return std::optional<double>(0.0); };
+  if (!s.clearance) s.clearance = [](const Vec3&, double max_m, voxnav::base::StampNs) { return max_m; };
+  if (!s.range) {
+    s.range = [](const Vec3&, const Vec3&, double, voxnav::base::StampNs) { return std::optional<double>(); };
+  }
+  return s;
+}
+
 }  // namespace
 
 Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad) {
@@ -25,17 +35,25 @@ Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad) {
   return R;
 }
 
-Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig& imu, const TrackerLimits& limits,
-         std::uint64_t seed, GroundHeight ground)
-    : config_(voxnav::base::checked(config)),
-      ground_(ground ? std::move(ground) : [](double, double) { return std::optional<double>(0.0); }),
-      drift_(drift, seed),
-      imu_model_(imu, seed),
+Uav::Uav(const UavSetup& setup, std::uint64_t seed, SensedWorld sensed_world)
+    : config_(voxnav::base::checked(setup.uav)),
+      refusals_(setup.faults.refusals),
+      avoidance_(setup.faults.avoidance),
+      sensed_world_(completed(std::move(sensed_world))),
+      drift_(setup.drift, seed),
+      imu_model_(setup.imu, seed),
       random_(seed, 0x72616e676500),
-      tracker_(limits),
-      standing_heading_rad_(config.start_heading_rad) {
-  const double ground_m = ground_(config.start_m[0], config.start_m[1]).value_or(0.0);
-  standing_W_ = Vec3(config.start_m[0], config.start_m[1], ground_m + config.standing_height_m);
+      tracker_(setup.limits),
+      is_free_(setup.faults.tracking.is_enabled || setup.faults.wind.is_enabled),
+      response_(setup.faults.tracking, !setup.faults.tracking.is_enabled),
+      wind_(setup.faults.wind, seed),
+      noise_(setup.faults.state_noise, seed),
+      climb_(setup.faults.avoidance, seed),
+      bumper_(setup.faults.bumper),
+      resets_(setup.faults.resets, seed),
+      standing_heading_rad_(config_.start_heading_rad) {
+  const double ground_m = sensed_world_.ground_height(config_.start_m[0], config_.start_m[1]).value_or(0.0);
+  standing_W_ = Vec3(config_.start_m[0], config_.start_m[1], ground_m + config_.standing_height_m);
   stand();
   place(0);
   imu_.accel = Vec3(0, 0, kGravity);
@@ -44,19 +62,24 @@ Uav::Uav(const UavConfig& config, const GnssDriftConfig& drift, const ImuConfig&
 /// Makes a step of a vehicle that stands on the ground: its true pose stays the same and its estimate drifts.
 void Uav::stand() {
   KinematicState state;
-  state.position = standing_W_ + drift_.position();
+  state.position = standing_W_ + drift();
   state.velocity = drift_.velocity();
   state.heading_rad = voxnav::geometry::wrap_angle(standing_heading_rad_ + drift_.heading_rad());
   tracker_.reset(state);
+  response_.reset(state);
 }
 
 void Uav::step() {
   const BodyState before = truth_;
   drift_.step(kStep_s);
+  wind_.step(kStep_s);
+  noise_.step(kStep_s);
   if (phase_ == FlightPhase::kIdle) {
     stand();
   } else {
+    meet_faults();
     tracker_.step();
+    if (is_free_) response_.step(tracker_.state(), wind_.velocity() + drift_.velocity(), kStep_s);
   }
   stamp_ns_ += kStep_ns;
   place(kStep_s);
@@ -64,19 +87,24 @@ void Uav::step() {
   update_phase();
 }
 
-/// Sets the true and the estimated state, which follow from the tracker's state and the drift.
+/// Sets the true and the estimated state, which follow from the state of the tracker or the body, and from the drift.
 void Uav::place(double dt_s) {
   const KinematicState s = tracker_.state();
   const bool is_idle = phase_ == FlightPhase::kIdle;
+  const Vec3 position = is_free_ ? response_.position() : s.position;
+  const Vec3 velocity = is_free_ ? response_.velocity() : s.velocity;
+  const Vec3 acceleration = is_free_ ? response_.acceleration() : s.acceleration;
+  const Vec3 thrust = is_free_ ? response_.thrust() : s.acceleration;
   const Eigen::Matrix3d R_before = truth_.pose.linear();
-  truth_.pose.translation() = is_idle ? standing_W_ : Vec3(s.position - drift_.position());
-  truth_.velocity = is_idle ? Vec3(Vec3::Zero()) : Vec3(s.velocity - drift_.velocity());
-  truth_.acceleration = is_idle ? Vec3(Vec3::Zero()) : Vec3(s.acceleration - drift_.acceleration());
-  truth_.pose.linear() = attitude_of(truth_.acceleration, s.heading_rad - drift_.heading_rad());
+  truth_.pose.translation() = is_idle ? standing_W_ : Vec3(position - drift());
+  truth_.velocity = is_idle ? Vec3(Vec3::Zero()) : Vec3(velocity - drift_.velocity());
+  truth_.acceleration = is_idle ? Vec3(Vec3::Zero()) : Vec3(acceleration - drift_.acceleration());
+  const Vec3 tilting = is_idle ? Vec3(Vec3::Zero()) : Vec3(thrust - drift_.acceleration());
+  truth_.pose.linear() = attitude_of(tilting, s.heading_rad - drift_.heading_rad());
   truth_.angular_velocity.setZero();
   if (dt_s > 0) truth_.angular_velocity = rotation_vector(R_before.transpose() * truth_.pose.linear()) / dt_s;
-  estimate_ = {Pose::Identity(), s.velocity, s.acceleration, truth_.angular_velocity};
-  estimate_.pose.translation() = s.position;
+  estimate_ = {Pose::Identity(), velocity + noise_.velocity(), acceleration, truth_.angular_velocity};
+  estimate_.pose.translation() = position + noise_.position();
   estimate_.pose.linear() = Eigen::AngleAxisd(drift_.heading_rad(), Vec3::UnitZ()) * truth_.pose.linear();
 }
 
@@ -92,7 +120,7 @@ void Uav::measure(const BodyState& before) {
 
 std::optional<double> Uav::height_m() const {
   const Vec3& p = truth_.pose.translation();
-  const auto ground = ground_(p.x(), p.y());
+  const auto ground = sensed_world_.ground_height(p.x(), p.y());
   if (!ground) return std::nullopt;
   return p.z() - *ground;
 }
@@ -139,6 +167,16 @@ std::string Uav::refusal() const {
   return {};
 }
 
+/// Why goals and trajectories are refused; empty if they are taken.
+std::string Uav::reference_refusal() const {
+  std::string why = refusal();
+  if (why.empty() && is_repelled_) why = "callbacks are disabled while the bumper repels an obstacle";
+  if (why.empty() && refusals_.is_enabled && tracker_.mode() == TrackerMode::kBrake) {
+    why = "callbacks are disabled while braking into a hover";
+  }
+  return why;
+}
+
 CommandResult Uav::take_off() {
   if (phase_ != FlightPhase::kIdle) return refused("already in the air");
   phase_ = FlightPhase::kTakingOff;
@@ -156,10 +194,10 @@ CommandResult Uav::land() {
   const double a = tracker_.limits().horizontal.acceleration;
   const Vec3 horizontal(s.velocity.x(), s.velocity.y(), 0);
   Vec3 goal = s.position + horizontal * (0.5 * horizontal.norm() / (0.7 * a) + 0.2);
-  const Vec3 goal_W = goal - drift_.position();
-  const auto ground = ground_(goal_W.x(), goal_W.y());
+  const Vec3 goal_W = goal - drift();
+  const auto ground = sensed_world_.ground_height(goal_W.x(), goal_W.y());
   if (!ground) return refused("no ground below");
-  goal.z() = *ground + config_.standing_height_m + drift_.position().z();
+  goal.z() = *ground + config_.standing_height_m + drift().z();
   phase_ = FlightPhase::kLanding;
   tracker_.go_to({goal, s.heading_rad});
   return {true, "landing"};
@@ -172,14 +210,14 @@ CommandResult Uav::hover() {
 }
 
 CommandResult Uav::go_to(const HeadedPoint& goal_O) {
-  if (const std::string why = refusal(); !why.empty()) return refused(why);
+  if (const std::string why = reference_refusal(); !why.empty()) return refused(why);
   if (!is_finite(goal_O)) return refused("the reference contains a value that is not finite");
   tracker_.go_to(goal_O);
   return {true, "reference set"};
 }
 
 CommandResult Uav::set_trajectory(const TrackedTrajectory& trajectory_O) {
-  if (const std::string why = refusal(); !why.empty()) return refused(why);
+  if (const std::string why = reference_refusal(); !why.empty()) return refused(why);
   if (trajectory_O.points.empty()) return refused("the trajectory is empty");
   for (const HeadedPoint& point : trajectory_O.points) {
     if (!is_finite(point)) return refused("the trajectory contains a value that is not finite");

@@ -19,6 +19,8 @@ constexpr std::array<Entry, kNumSurfaceClasses> kEntries{{
     {"rock", {0.35, {128, 128, 124}}},
     {"building", {0.50, {196, 180, 160}}},
     {"vehicle", {0.60, {190, 32, 28}}},
+    {"person", {0.40, {230, 140, 40}}},
+    {"flyer", {0.20, {40, 60, 160}}},
 }};
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "voxnav_simulation/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -50,7 +51,8 @@ std::shared_ptr<const Scene::Part> Scene::vehicle() const {
   return vehicle_;
 }
 
-void Scene::cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits) const {
+void Scene::cast(const Vec3f& origin, const Vec3f* directions, std::size_t count, float max_range_m, Hit* hits,
+                 std::optional<StampNs> at_ns) const {
   const std::shared_ptr<const Part> vehicle_part = vehicle();
   for (std::size_t first = 0; first < count; first += kPacket) {
     const std::size_t lanes = std::min(kPacket, count - first);
@@ -61,6 +63,29 @@ void Scene::cast(const Vec3f& origin, const Vec3f* directions, std::size_t count
     std::fill(hits + first, hits + first + lanes, Hit{});
     static_part_->cast(&packet, valid, hits + first, lanes);
     if (vehicle_part) vehicle_part->cast(&packet, valid, hits + first, lanes);
+  }
+  if (!at_ns || world_.movers().empty()) return;
+  const auto is_too_far = [max_range_m](const Hit& hit) { return hit.range_m > max_range_m; };
+  cast_at_movers(origin, directions, count, *at_ns, hits);
+  std::replace_if(hits, hits + count, is_too_far, Hit{});
+}
+
+/// Shortens rays to the movers that they meet.
+void Scene::cast_at_movers(const Vec3f& origin, const Vec3f* directions, std::size_t count, StampNs at_ns,
+                           Hit* hits) const {
+  const Vec3 from = origin.cast<double>();
+  for (const Mover& mover : world_.movers()) {
+    const Vec3 bottom = mover.at(at_ns);
+    // Rays that pass the sphere around the mover need no closer look.
+    const Vec3 towards = bottom + Vec3(0, 0, 0.5 * mover.height_m) - from;
+    const double reach_m = std::hypot(mover.radius_m, 0.5 * mover.height_m);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 direction = directions[i].cast<double>();
+      if (towards.squaredNorm() - std::pow(towards.dot(direction), 2) > reach_m * reach_m) continue;
+      const auto hit = cast_at_cylinder(mover, bottom, from, direction);
+      if (!hit || static_cast<float>(hit->range_m) >= hits[i].range_m) continue;
+      hits[i] = {static_cast<float>(hit->range_m), static_cast<float>(hit->cos_incidence), mover.surface_class};
+    }
   }
 }
 
@@ -79,7 +104,7 @@ std::optional<Pose> Scene::vehicle_pose() const {
   return part->T_W_part;
 }
 
-std::optional<Nearest> Scene::nearest(const Vec3& p, double max_m) const {
+std::optional<Nearest> Scene::nearest(const Vec3& p, double max_m, std::optional<StampNs> at_ns) const {
   // Comparisons with NaN are false, so that without this check the result would be "no surface near", and a collision
   // monitor would believe it.
   if (!p.allFinite() || !(max_m >= 0.0)) throw std::invalid_argument("nearest surface of a point that is not finite");
@@ -88,11 +113,16 @@ std::optional<Nearest> Scene::nearest(const Vec3& p, double max_m) const {
     const std::optional<Nearest> other = part->nearest(p, best ? best->distance_m : max_m);
     if (other) best = other;
   }
+  if (!at_ns) return best;
+  for (const Mover& mover : world_.movers()) {
+    const double distance_m = distance_to_cylinder(mover, mover.at(*at_ns), p);
+    if (distance_m < (best ? best->distance_m : max_m)) best = Nearest{distance_m, mover.surface_class};
+  }
   return best;
 }
 
-double Scene::clearance(const Vec3& p, double max_m) const {
-  const std::optional<Nearest> found = nearest(p, max_m);
+double Scene::clearance(const Vec3& p, double max_m, std::optional<StampNs> at_ns) const {
+  const std::optional<Nearest> found = nearest(p, max_m, at_ns);
   return found ? std::min(found->distance_m, max_m) : max_m;
 }
 

@@ -15,6 +15,7 @@ enum Stream : std::uint64_t {
   kRockStream = 5,
   kWallStream = 6,
   kHouseStream = 7,
+  kMoverStream = 8,
 };
 
 }  // namespace voxnav_simulation

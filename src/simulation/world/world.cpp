@@ -29,6 +29,7 @@ World::World(const WorldConfig& config, std::uint64_t seed)
   counts_.num_rocks = place_rocks(&site);
   counts_.num_bushes = plant_bushes(&site);
   if (config_.has_vehicle) vehicle_mesh_ = make_fire_truck();
+  movers_ = make_movers(config_, seed, terrain_);
 }
 
 std::optional<Pose> World::vehicle_pose(double x, double y, double heading_rad) const {

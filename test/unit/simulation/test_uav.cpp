@@ -13,7 +13,10 @@ using namespace voxnav_simulation;  // NOLINT: test
 ImuConfig perfect_imu() { return {0, 0, 0, 0, 0, 0}; }
 
 Uav make_uav(unsigned seed = 1, const GnssDriftConfig& drift = {}, const ImuConfig& imu = {}) {
-  return Uav(UavConfig{}, drift, imu, limits_of(UavConstraintsConfig{}, ConstraintSet::kMedium), seed);
+  UavSetup setup;
+  setup.drift = drift;
+  setup.imu = imu;
+  return Uav(setup, seed);
 }
 
 void fly(Uav* uav, double duration_s) {

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxnav_simulation/bumper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace voxnav_simulation {
+namespace {
+
+constexpr int kRaysAcross = 5;      ///< of one sector, and three rows of them
+constexpr double kStopShare = 1.5;  ///< by which the way to stop is counted, as the control manager does
+constexpr double kTwoPi = 2.0 * M_PI;
+
+double way_to_stop(double speed, double acceleration) { return 0.5 * speed * speed / acceleration; }
+
+double vertical_way_to_stop(const TrackerLimits& limits) {
+  return way_to_stop(std::max(limits.ascending.speed, limits.descending.speed),
+                     std::max(limits.ascending.acceleration, limits.descending.acceleration));
+}
+
+}  // namespace
+
+Bumper::Bumper(const BumperConfig& config) : config_(voxnav::base::checked(config)) {}
+
+std::optional<double> Bumper::sector_range(const Range& range, double direction_rad, double max_m) const {
+  std::optional<double> nearest;
+  for (int i = 0; i < kRaysAcross; ++i) {
+    const double azimuth =
+        direction_rad + (static_cast<double>(i) / (kRaysAcross - 1) - 0.5) * kTwoPi / config_.num_sectors;
+    for (const double elevation : {-0.5 * config_.vertical_fov_rad, 0.0, 0.5 * config_.vertical_fov_rad}) {
+      const Vec3 direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                           std::sin(elevation));
+      const auto found = range(direction, nearest.value_or(max_m));
+      if (found) nearest = found;
+    }
+  }
+  return nearest;
+}
+
+std::optional<Vec3> Bumper::push(const Range& range, double heading_rad, const TrackerLimits& limits) const {
+  const double more = config_.is_derived_from_dynamics ? kStopShare : 0.0;
+  const double across_m =
+      config_.min_distance_m + more * way_to_stop(limits.horizontal.speed, limits.horizontal.acceleration);
+  const double along_m = config_.min_distance_m + more * vertical_way_to_stop(limits);
+  std::optional<double> nearest_m;
+  double towards_rad = 0;
+  for (int i = 0; i < config_.num_sectors; ++i) {
+    const double direction_rad = heading_rad + kTwoPi * i / config_.num_sectors;
+    const auto found_m = sector_range(range, direction_rad, nearest_m.value_or(across_m));
+    if (!found_m) continue;
+    nearest_m = found_m;
+    towards_rad = direction_rad;
+  }
+  const auto below_m = range(-Vec3::UnitZ(), along_m), above_m = range(Vec3::UnitZ(), along_m);
+  if (!nearest_m && !below_m && !above_m) return std::nullopt;
+  Vec3 out = Vec3::Zero();
+  if (nearest_m) {
+    const double way_m = across_m + config_.overshoot_m - *nearest_m;
+    out = -way_m * Vec3(std::cos(towards_rad), std::sin(towards_rad), 0);
+  }
+  if (below_m) out.z() = along_m - *below_m;
+  if (above_m) out.z() = -(along_m - *above_m);
+  return out;
+}
+
+}  // namespace voxnav_simulation

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the simulated vehicle does without being told.
+#include "voxnav_simulation/uav.hpp"
+
+namespace voxnav_simulation {
+namespace {
+
+constexpr std::int64_t kBumperPeriod_ns = 50'000'000;
+
+}  // namespace
+
+/// Lets happen what nobody has commanded. Nothing of it happens during take-off and landing.
+void Uav::meet_faults() {
+  if (phase_ != FlightPhase::kFlying) {
+    climb_.end();
+    is_repelled_ = false;
+  } else {
+    if (const auto jump = resets_.step(kStep_s)) {
+      jump_ += *jump;
+      ++estimator_iteration_;
+      tracker_.shift(*jump);
+      response_.shift(*jump);
+      climb_.shift(jump->z());
+    }
+    climb_.step(kStep_s, tracker_.state().position.z(), [this] { return has_room_above(); });
+    if (bumper_.is_enabled() && stamp_ns_ % kBumperPeriod_ns == 0) meet_obstacles();
+  }
+  tracker_.set_floor(climb_.floor_m(), climb_.speed_ratio());
+}
+
+/// Another UAV only flies where there is room for both: above the vehicle, and above where it will be soon.
+bool Uav::has_room_above() const {
+  const Vec3 ahead = truth_.velocity * avoidance_.speed_ratio * avoidance_.duration_s;
+  for (double up_m = 0.5; up_m <= avoidance_.correction_m + 0.5; up_m += 0.5) {
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const Vec3 p = truth_.pose.translation() + share * Vec3(ahead.x(), ahead.y(), 0) + Vec3(0, 0, up_m);
+      if (sensed_world_.clearance(p, avoidance_.headroom_m, stamp_ns_) < avoidance_.headroom_m) return false;
+    }
+  }
+  return true;
+}
+
+/// Flies away from obstacles that are too near, as long as they are, whatever was commanded.
+void Uav::meet_obstacles() {
+  const auto range = [this](const Vec3& direction, double max_m) {
+    return sensed_world_.range(truth_.pose.translation(), direction, max_m, stamp_ns_);
+  };
+  const auto push = bumper_.push(range, voxnav::geometry::yaw_of(truth_.pose), tracker_.limits());
+  is_repelled_ = push.has_value();
+  if (push) tracker_.go_to({estimate_.pose.translation() + *push, tracker_.state().heading_rad});
+}
+
+}  // namespace voxnav_simulation
