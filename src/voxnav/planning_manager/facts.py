@@ -100,7 +100,7 @@ class Facts:
         braking_s = flight.begin_s + float(flight.trajectory.braking_begins_s)
         before_s = braking_s - config.planning_budget_s - config.generation_budget_s
         soonest_s = self.now_s + min(config.retry_interval_s, config.replan_interval_s)
-        return min(max(soonest_s, before_s), self.now_s + float(config.replan_interval_s))
+        return float(min(max(soonest_s, before_s), self.now_s + config.replan_interval_s))
 
     def has_goal_moved(self, flight: Flight, goal: Goal) -> bool:
         """Returns True if the map correction has moved the goal so far that the trajectory no longer leads to it."""
