@@ -212,6 +212,21 @@ def test_a_cloud_waits_for_the_imu_of_its_sweep(late_s, scans, tmp_path):
     assert np.array_equal(stamps[0][0], stamps[1][0]) and np.array_equal(stamps[0][1], stamps[1][1])
 
 
+def test_with_lidar_odometry_the_trajectory_is_that_of_the_imu_wherever_it_sits(scans, tmp_path):
+    T_B_I = mount_of((-0.1, 0.2, -0.2), (0.0, 0.0, 0.0))
+    messages = [m for m in good(scans, with_odometry=False, with_imu=True) if m[1] != "/tf_static"]
+    for message in of_topic(messages, "/imu"):
+        message[2].header.frame_id = "imu"
+    messages.append([FIRST_S - 0.1, "/tf_static", link("imu", "lidar", np.linalg.inv(T_B_I) @ MOUNT)])
+    run = Run(tmp_path, messages)
+    assert run.status == 0
+    stamps, poses = files.read_tum(run.out + "/trajectory_odom.txt")
+    true = [body_pose(t - FIRST_S + 1.0 + 0.5 * SWEEP_S) @ T_B_I for t in stamps]
+    T_W_O = true[1] @ np.linalg.inv(poses[1])  # at its first scan, LiDAR odometry does not know yet that it moves
+    errors = [np.linalg.norm((T_W_O @ T)[:3, 3] - T_true[:3, 3]) for T, T_true in zip(poses[1:], true[1:])]
+    assert max(errors) < 0.06
+
+
 def test_a_gap_of_odometry_is_filled_by_lidar_odometry_and_never_interpolated(scans, tmp_path):
     def is_silent(message):
         return message[1] == "/odom" and FIRST_S + 0.45 < message[0] < FIRST_S + 1.05
