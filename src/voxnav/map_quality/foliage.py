@@ -21,15 +21,23 @@ THICKET: dict[str, Any] = dict(
     num_poles=20, num_houses=0, num_walls=1)
 
 
-def measure(seed: int, num_scans: int, sensor: dict[str, Any]) -> dict[float, tuple[dict[str, KeptShare], float]]:
+def measure(seed: int, num_scans: int, sensor: dict[str, Any], world_config: dict[str, Any] | str | None = None,
+            cloud_filter: voxnav.CloudFilter | None = None) -> dict[float, tuple[dict[str, KeptShare], float]]:
     """Flies through a thicket. Returns for each resolution the shares of kept surface by its kind, and the share of
-    occupied voxels without surface within one voxel."""
-    world = simulation.World(THICKET, seed=seed)
+    occupied voxels without surface within one voxel.
+
+    world_config: another world, as simulation.World takes it. cloud_filter: None stands for one that removes false
+    returns and nothing else.
+    """
+    world = simulation.World(THICKET if world_config is None else world_config, seed=seed)
     maps = {r: voxnav.LocalMap(voxnav.LocalMapConfig(resolution_m=r, max_range_m=MAX_RANGE_M)) for r in RESOLUTIONS_M}
     cells = {r: SurfaceCells(world, r, MAX_RANGE_M) for r in RESOLUTIONS_M}
     for scan in fly(world, path_through(world, num_scans), seed, dict(WIDE_BEAM, ghost_ratio=0.0, **sensor)):
+        points_L = scan.points_L()
+        if cloud_filter is not None:
+            points_L = np.ascontiguousarray(cloud_filter.apply(scan.organised).points[:, :3])
         for r in RESOLUTIONS_M:
-            maps[r].insert(scan.points_L(), scan.T_W_L)
+            maps[r].insert(points_L, scan.T_W_L)
             cells[r].add(scan)
     return {r: (cells[r].judge(maps[r]), _phantoms(world, maps[r], r)) for r in RESOLUTIONS_M}
 
