@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def repository_file(name: str) -> str:
     """Returns the path of a file of this repository, in the development checkout or the installed package."""
-    here = os.path.dirname(os.path.abspath(__file__))
+    here = os.path.dirname(os.path.realpath(__file__))  # a build without ROS links to the checkout
     for root in (os.path.join(here, "..", "..", ".."), _package_path()):
         if root and os.path.exists(os.path.join(root, name)):
             return os.path.abspath(os.path.join(root, name))
