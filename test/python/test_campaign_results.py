@@ -129,3 +129,11 @@ def test_a_flight_that_stood_still_has_a_mean_speed_of_zero():
 @pytest.mark.parametrize("changes", [{"reached": False}, {"reached": None}, {"collided": True}, {"collided": None}])
 def test_no_success_without_knowing_it(changes):
     assert not KNOWN._replace(**changes).is_success
+
+
+def test_the_outcome_is_a_sentence():
+    assert KNOWN.outcome == "goal reached, smallest clearance 1.25 m"
+    assert KNOWN._replace(collided=True).outcome == "COLLIDED; goal reached, smallest clearance 1.25 m"
+    assert KNOWN._replace(collided=None).outcome.endswith("1.25 m, whether it collided is not known")
+    assert UNKNOWN.outcome == 'crashed: "no, nothing"'
+    assert str(KNOWN) == "forest, 300 trees/ha, up to 4 m/s, seed 1000, faults"

@@ -46,9 +46,10 @@ class FlightRow(NamedTuple):
     @property
     def outcome(self) -> str:
         """A sentence: how the flight ended."""
-        collision = {None: "whether it collided is not known; ", True: "COLLIDED; ", False: ""}[self.collided]
+        collision = "COLLIDED; " if self.collided else ""
+        is_silent = self.reached is not None and self.collided is None
         clearance = "" if self.min_clearance_m is None else ", smallest clearance %.2f m" % self.min_clearance_m
-        return collision + self.reason + clearance
+        return collision + self.reason + clearance + (", whether it collided is not known" if is_silent else "")
 
     def __str__(self) -> str:
         speed = "" if self.speed_mps is None else ", up to %g m/s" % self.speed_mps
