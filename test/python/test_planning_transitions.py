@@ -587,6 +587,18 @@ def test_a_tracker_that_leads_into_an_obstacle_is_braked_or_far_ahead_gets_a_new
     assert after.plan_from_s == NOW + CONFIG.retry_interval_s, "the trajectory is new, so a plan has just been made"
 
 
+def test_a_vehicle_that_a_gust_brought_near_to_an_obstacle_is_not_stopped_there_if_its_way_leads_out():
+    # A voxel begins 0.4 m behind the vehicle, nearer than the 0.5 m that are to be free around it.
+    leaving = np.array(AHEAD) + (0.0, 0.4, 0.0)
+    beside = view((0.4, 0.9))
+    near = moving_state(flight=replace(flight(), taken_s=NOW))
+    assert voxnav.check_corridor(beside, leaving, 0.5).first_unsafe_m == 0.0
+    assert checking.check(near, predicting(leaving, seen=beside)) == (near, ())
+    staying = np.column_stack([np.linspace(1.0, 1.2, 40), np.full(40, 0.4), np.full(40, 2.0)])
+    after, actions = checking.check(near, predicting(staying, seen=beside))
+    assert kinds(actions) == [Hover] and after.because.reason is Reason.UNSAFE_PREDICTION
+
+
 def test_a_vehicle_that_still_moves_after_its_trajectory_is_checked():
     over = moving_state(flight=flight(begin_s=NOW - 30.0))
     assert checking.check(over, facts(seen=view())) == (over, ())
@@ -710,8 +722,8 @@ LINE = [(0.4 * i, 0.0, 2.0) for i in range(31)]
 
 @pytest.mark.parametrize("generated, words", [
     (generated_line(LINE, NOW - 7.0), "answered 1.0 s too late"),
-    (generated_line([(x, 2.5, z) for x, _, z in LINE]), "begins 2.7 m from the vehicle"),
-    (generated_line(LINE, NOW - 3.0), "begins 5.0 m from the vehicle"),
+    (generated_line([(x, 2.5, z) for x, _, z in LINE]), "begins 2.5 m from the vehicle"),
+    (generated_line(LINE, NOW - 3.0), "begins 1.8 m from the vehicle"),
     (generated_line(LINE[:-5]), "ends 2.0 m from the place"),
     (generated_line(LINE[:10] + LINE[15:]), "jumps, at 12.0 m/s")])
 def test_a_generator_that_answers_with_something_else_is_refused_with_a_reason(generated, words):

@@ -8,7 +8,7 @@ way from the vehicle to it; without a trajectory the prediction alone, whoever c
 from dataclasses import replace
 from typing import Any, Optional
 
-from voxnav._core import CorridorResult, check_corridor
+from voxnav._core import CorridorResult, Trajectory, check_corridor
 from voxnav.planning_manager.actions import Means
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.flying import NO_MAP, publish, safe_part_of
@@ -19,6 +19,8 @@ from voxnav.planning_manager.stopping import brake
 from voxnav.planning_manager.stops import asked_for, best_stop, danger_in_steps
 from voxnav.planning_manager.ways import braking_limits, way_ahead
 
+# Nearer than this along its way, the vehicle is beside the unsafe place already.
+BESIDE_M = 0.05
 OCCUPIED = 2  # state of a voxel, as in CorridorResult
 # The tracker's prediction is compared with the trajectory at these times from now.
 AHEAD_S = (0.0, 0.5, 1.0, 2.0)
@@ -132,8 +134,8 @@ def _check_prediction(state: Active, flight: Flight, view: Any, facts: Facts) ->
     The corridor is smaller than that of the trajectory by what the flight may deviate from it.
     """
     radius_m = flight.leads.radius_m - facts.config.trajectory_deviation_m
-    seen = check_corridor(view, way_ahead(facts).points, max(0.0, radius_m))
-    if seen.safe:
+    seen = _first_unsafe(way_ahead(facts), view, max(0.0, radius_m))
+    if seen is None:
         return None
     text = "the tracker leads where it is " + _place(seen)
     if seen.first_unsafe_m > _room_to_plan_m(facts):
@@ -157,8 +159,20 @@ def _problem_ahead(facts: Facts) -> str:
     way = way_ahead(facts)
     if not facts.is_in_motion and way.length_m < facts.config.min_corridor_radius_m:
         return ""
-    seen = check_corridor(view, way.points, facts.config.min_corridor_radius_m)
-    return "" if seen.safe else _place(seen)
+    seen = _first_unsafe(way, view, facts.config.min_corridor_radius_m)
+    return "" if seen is None else _place(seen)
+
+
+def _first_unsafe(way: Trajectory, view: Any, radius_m: float) -> Optional[CorridorResult]:
+    """Returns where a way is not known to be free; None if it is.
+
+    A vehicle that is too near to something already, because a gust brought it there, is not stopped just there if its
+    way leads out within the radius.
+    """
+    seen = check_corridor(view, way.points, radius_m)
+    if not seen.safe and seen.first_unsafe_m < BESIDE_M and way.length_m > radius_m:
+        seen = check_corridor(view, way.points_from_arc(radius_m), radius_m)
+    return None if seen.safe else seen
 
 
 def _place(seen: CorridorResult) -> str:

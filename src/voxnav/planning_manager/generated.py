@@ -2,13 +2,14 @@
 """The answer of the trajectory generator, and what makes it unusable whatever the map says."""
 
 from dataclasses import dataclass
-from typing import Optional
+from typing import List, Optional
 
 import numpy as np
 
 from voxnav._core import PlanOutcome, Trajectory
 from voxnav.array_types import Array
 from voxnav.planning_manager.facts import Facts
+from voxnav.planning_manager.states import AHEAD_S, BEHIND_S
 
 # The trajectory ends this near to the last waypoint, and is no faster than the limits by more than this factor.
 END_GAP_M = 0.5
@@ -39,6 +40,16 @@ class Generated:
         pieces = np.linalg.norm(np.diff(points, axis=0), axis=1)
         return float(pieces[:low].sum() + (pieces[low] * (at - low) if low < len(pieces) else 0.0))
 
+    def distance_m(self, position_O: Array, now_s: float) -> float:
+        """Returns the distance of a position from where the trajectory is at about this time.
+
+        The time does not matter to the second: MRS puts the newest prediction before a trajectory whose stamp is that
+        of the request.
+        """
+        age_s = self.age_s(now_s)
+        arc_m = self.trajectory.project(position_O, age_s - BEHIND_S, age_s + AHEAD_S)
+        return float(np.linalg.norm(position_O - self.trajectory.points_from_arc(arc_m)[0]))
+
 
 def fault_of(generated: Generated, outcome: PlanOutcome, facts: Facts) -> str:
     """Tells why a generated trajectory is not what was asked for; '' if it is.
@@ -48,8 +59,7 @@ def fault_of(generated: Generated, outcome: PlanOutcome, facts: Facts) -> str:
     trajectory, age_s = generated.trajectory, generated.age_s(facts.now_s)
     if age_s > 0.0 and age_s >= trajectory.duration_s:
         return "answered %.1f s too late, the trajectory is over" % (age_s - trajectory.duration_s)
-    here_O = trajectory.points_from_arc(generated.arc_m(facts.now_s))[0]
-    gap_m = _gap_m(here_O, facts)
+    gap_m = min(generated.distance_m(place_O, facts.now_s) for place_O in _places(facts))
     if gap_m > facts.config.replan_deviation_m:
         return "the trajectory begins %.1f m from the vehicle" % gap_m
     gap_m = float(np.linalg.norm(trajectory.points[-1] - outcome.waypoints_O[-1]))
@@ -62,13 +72,10 @@ def fault_of(generated: Generated, outcome: PlanOutcome, facts: Facts) -> str:
     return ""
 
 
-def _gap_m(here_O: Array, facts: Facts) -> float:
-    """Returns the distance of a place from the vehicle, or from where the tracker says that it is to be now."""
-    gaps = [np.linalg.norm(here_O - facts.vehicle.position_O)]
+def _places(facts: Facts) -> List[Array]:
+    """Returns the place of the vehicle, and that where the tracker says that it is to be now."""
     predicted = facts.predicted(facts.now_s + PREDICTION_BEGIN_S)
-    if predicted is not None:
-        gaps.append(np.linalg.norm(here_O - predicted))
-    return float(min(gaps))
+    return [facts.vehicle.position_O] + ([] if predicted is None else [predicted])
 
 
 def _fastest_mps(trajectory: Trajectory) -> float:
