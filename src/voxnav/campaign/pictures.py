@@ -31,7 +31,8 @@ def success_figure(group: Group) -> Any:
     axes.set_xticklabels(["%g" % density for density in densities(group.rows)])
     axes.set(xlabel="trees per hectare", ylabel="share of successes", ylim=(-0.03, 1.03), title=group.title)
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower left")
+    axes.set_xlim(-0.5, len(at) - 0.5)
+    axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
     return figure
 
 

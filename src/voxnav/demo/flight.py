@@ -47,7 +47,7 @@ def launch_arguments(args: argparse.Namespace) -> dict[str, Any]:
 def main(argv: Sequence[str] | None = None) -> int:
     args = arguments(argv)
     os.makedirs(args.out, exist_ok=True)
-    record = FlightRecord(args.world, args.seed)
+    record = FlightRecord(os.path.splitext(os.path.basename(args.world))[0], args.seed)
     record.speed_factor = args.speed
     log = os.path.join(args.out, "roslaunch.log")
     started = time.monotonic()
