@@ -138,6 +138,18 @@ def test_a_joint_that_turns_the_lidar_is_not_taken_for_the_way_of_the_vehicle(sc
     assert "the recording has no odometry: poses come from LiDAR odometry" in said and "transforms base" not in said
 
 
+def test_a_large_recording_is_looked_at_in_windows_and_mapped_whole(scans, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("voxnav.recordings.survey._WHOLE_BYTES", 1000)
+    monkeypatch.setattr("voxnav.recordings.survey._MAX_TF_MESSAGES", 10)
+    monkeypatch.setattr("voxnav.recordings.survey._BEGIN_S", 0.4)
+    monkeypatch.setattr("voxnav.recordings.survey._WINDOW_S", 0.1)
+    monkeypatch.setattr("voxnav.recordings.survey._NUM_WINDOWS", 3)
+    run = Run(tmp_path, recording(scans, sent("odom", "body", body_pose)))
+    said = capsys.readouterr().out
+    assert "looked at in windows" in said and "transforms odom -> body (50 Hz)" in said and "silent" not in said
+    assert run.status == 0 and run.metrics["counts"]["scans"] == NUM_SCANS and run.error_m() < 0.06
+
+
 def test_a_frame_without_transforms_to_it_is_refused_by_name(scans, tmp_path, capsys):
     run = Run(tmp_path, recording(scans, sent("odom", "body", body_pose)), ", odometry_frame: world")
     assert run.status == 1

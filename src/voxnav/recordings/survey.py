@@ -123,6 +123,10 @@ class Survey:
     def of_kind(self, kind: str) -> list[TopicSurvey]:
         return [topic for topic in self.topics.values() if topic.topic.kind == kind]
 
+    def tf_windows(self, name: str) -> list[tuple[int | None, int | None]]:
+        """Returns the times (from, until) in ns within which messages of a topic of /tf are read; None has no limit."""
+        return [(None, None)] if self.all_topics[name].num <= _MAX_TF_MESSAGES else self._windows()
+
     def see_all_frames(self) -> None:
         """Reads all of /tf, because windows may have missed some of its frames."""
         if not self._has_all_of_tf:

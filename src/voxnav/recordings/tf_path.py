@@ -41,8 +41,9 @@ def find_tf_path(survey: Survey, cloud: TopicSurvey, wanted_origin: str = "") ->
     topics = [name for name in TF_TOPICS if name in survey.all_topics and not name.endswith("tf_static")]
     if not topics or not cloud.frame:
         return None
-    survey.see_all_frames()
     frames = survey.frames
+    if wanted_origin and wanted_origin.lstrip("/") not in frames.frames():
+        survey.see_all_frames()
     body = frames.root(cloud.frame)
     origin = wanted_origin.lstrip("/") or _origin_above(frames, body) or _origin_below(frames, body)
     if not origin:

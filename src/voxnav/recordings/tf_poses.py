@@ -36,7 +36,8 @@ def survey_track(survey: Survey, path: TfPath) -> tuple[TfTrack, TopicSurvey] | 
     stamps: Dict[Ends, List[int]] = {ends: [] for ends in moving}
     records: Dict[Ends, List[int]] = {ends: [] for ends in moving}
     poses: Dict[Ends, List[Array]] = {ends: [] for ends in moving}
-    for message in survey.files.messages([path.topic]):
+    windows = survey.tf_windows(path.topic)
+    for message in (message for window in windows for message in survey.files.messages([path.topic], *window)):
         for ends, stamp_ns, T in links_of(message, LeftOut()):
             if ends in stamps and len(stamps[ends]) < _MAX_STAMPS and stamps[ends][-1:] != [stamp_ns]:
                 stamps[ends].append(stamp_ns)
@@ -51,6 +52,9 @@ def survey_track(survey: Survey, path: TfPath) -> tuple[TfTrack, TopicSurvey] | 
     track = TfTrack(path, leading, offsets_ns)
     num = len(stamps[leading])
     topic = TopicSurvey(Topic(path.topic, ODOMETRY, num), np.array(sorted(records[leading]), dtype=np.int64))
+    if len(windows) > 1:  # the pauses between windows are none of the topic
+        whole_ns = survey.files.record_times_ns(path.topic)
+        topic.gaps, topic.begin_ns, topic.end_ns = [], int(whole_ns[0]), int(whole_ns[-1])
     topic.frames, topic.children = Counter({path.origin: num}), Counter({path.body: num})
     topic.stamps_ns, topic.records_ns = stamps[leading], records[leading]
     middle = {ends: rows[len(rows) // 2] for ends, rows in poses.items() if rows}
