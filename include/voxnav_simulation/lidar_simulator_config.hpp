@@ -19,6 +19,7 @@ struct LidarSimulatorConfig {
   int max_marker_triangles = 60000;
   double loss_ratio = 0.0;
   std::vector<std::string> waiting_nodes{};
+  std::vector<std::string> acting_nodes{};
 
   template <class V>
   static void fields(V&& v) {
@@ -37,6 +38,8 @@ struct LidarSimulatorConfig {
     v("loss_ratio", &C::loss_ratio, in(0, 1), "", "share of clouds that are lost on their way, each for itself");
     v("waiting_nodes", &C::waiting_nodes, any(), "",
       "nodes that simulated time waits for after each cloud; a lost one is reported in their place");
+    v("acting_nodes", &C::acting_nodes, any(), "",
+      "nodes that act after each cloud and report it; a lost one is announced to them, so that they act without it");
   }
 };
 

@@ -3,6 +3,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
+#include <optional>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "voxnav/MoveVehicle.h"
@@ -26,6 +27,8 @@ constexpr double kLogPeriod_s = 5.0;
 // True poses that may wait while a turn is computed; they come at 250 Hz.
 constexpr int kTruthQueue = 1000;
 constexpr std::uint64_t kLossStream = 0x6c6f737300;
+// Nothing is lost for so long after the first turn, so that all nodes have reported for themselves before.
+constexpr voxnav::base::StampNs kLossFree_ns = 10'000'000'000;
 
 sensor_msgs::PointCloud2Ptr to_msg(voxnav_simulation::EncodedCloud&& cloud, const std_msgs::Header& header) {
   auto msg = boost::make_shared<sensor_msgs::PointCloud2>();
@@ -61,7 +64,8 @@ class LidarSimulatorNodelet : public NodeletBase {
     markers_ = nh.advertise<visualization_msgs::MarkerArray>("world_markers_out", 1, true);
     movers_ = nh.advertise<visualization_msgs::MarkerArray>("movers_out", 5);
     publish_mount(lidar.T_B_L());
-    if (!config_.waiting_nodes.empty()) progress_ = nh.advertise<msg::Progress>("progress_out", 50);
+    if (!config_.waiting_nodes.empty() || !config_.acting_nodes.empty())
+      progress_ = nh.advertise<msg::Progress>("progress_out", 50);
     move_vehicle_ = nh.advertiseService("move_vehicle", &LidarSimulatorNodelet::on_move_vehicle, this);
     report_world();
   }
@@ -103,7 +107,9 @@ class LidarSimulatorNodelet : public NodeletBase {
     }
   }
 
-  bool is_lost(const voxnav_simulation::SimulatedSweep& sweep) const {
+  bool is_lost(const voxnav_simulation::SimulatedSweep& sweep) {
+    if (!first_ns_) first_ns_ = sweep.start_ns;
+    if (sweep.start_ns < *first_ns_ + kLossFree_ns) return false;
     return voxnav_simulation::is_lost(config_.loss_ratio, static_cast<std::uint64_t>(config_.seed), kLossStream,
                                       sweep.start_ns);
   }
@@ -111,12 +117,16 @@ class LidarSimulatorNodelet : public NodeletBase {
   /// A cloud that never arrives is nothing to wait for.
   void lose(const voxnav_simulation::SimulatedSweep& sweep) {
     diagnostics().set_counter("clouds_lost", static_cast<double>(++num_lost_));
-    for (const std::string& node : config_.waiting_nodes) {
-      msg::Progress progress;
-      progress.node = node;
-      progress.stamp = to_ros(sweep.start_ns);
-      progress_.publish(progress);
-    }
+    for (const std::string& node : config_.waiting_nodes) publish_progress_of(node, sweep.start_ns, false);
+    for (const std::string& node : config_.acting_nodes) publish_progress_of(node, sweep.start_ns, true);
+  }
+
+  void publish_progress_of(const std::string& node, voxnav::base::StampNs stamp_ns, bool is_begun) {
+    msg::Progress progress;
+    progress.node = node;
+    progress.stamp = to_ros(stamp_ns);
+    progress.is_begun = is_begun;
+    progress_.publish(progress);
   }
 
   void measure(const voxnav_simulation::SimulatedSweep& sweep) {
@@ -177,7 +187,8 @@ class LidarSimulatorNodelet : public NodeletBase {
   std::unique_ptr<voxnav_simulation::LidarModel> model_;
   std::unique_ptr<voxnav_simulation::SweepScheduler> scheduler_;
   std::uint64_t num_refused_ = 0, num_lost_ = 0;
-  std::mutex marker_mutex_;  ///< guards world_frame_id_ and the order of marker messages
+  std::optional<voxnav::base::StampNs> first_ns_;  ///< of the first turn
+  std::mutex marker_mutex_;                        ///< guards world_frame_id_ and the order of marker messages
   std::string world_frame_id_;
   tf2_ros::StaticTransformBroadcaster static_tf_;
   ros::Publisher cloud_, markers_, movers_, progress_;

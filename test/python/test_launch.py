@@ -93,7 +93,9 @@ def test_time_of_services_passes_where_it_can():
     waiting = loaded("simulation", "faults:=true", "lockstep:=true").params
     assert free[services].value and not waiting[services].value
     assert waiting[losses].value > 0.0
-    assert "local_mapper" in waiting["/uav1/lidar_simulator/node/waiting_nodes"].value
+    told = [waiting["/uav1/lidar_simulator/node/" + name].value for name in ("waiting_nodes", "acting_nodes")]
+    assert told == [["cloud_filter", "local_mapper"], ["planning_manager"]]
+    assert set(sum(told, [])) <= set(waiting["/uav1/uav_simulator/node/lockstep_nodes"].value)
     several = loaded("simulation", "faults:=true", "lockstep:=true", "tilted_lidar:=true").params
     assert several[losses].value == 0.0
 

@@ -17,6 +17,9 @@ class Progress:
     def publish(self, stamp):
         self.stamps.append(stamp)
 
+    def listen(self, act):
+        self.announce = act
+
 
 @pytest.fixture
 def clocks(monkeypatch):
@@ -73,6 +76,15 @@ def test_the_cycle_waits_until_announced_inputs_have_arrived(seam):
     seam.arrived()
     cycle.join(10.0)
     assert seen == [50.0]
+
+
+def test_a_lost_map_is_announced_and_everything_happens_without_it(seam):
+    seen = []
+    seam.every(10.0, lambda: seen.append(seam.now().to_sec()))
+    seam.wait_for(lambda now_s: True)
+    seam._progress.announce(49.9)
+    assert seen == [50.0]
+    assert [stamp.to_sec() for stamp in seam._progress.stamps] == [49.9]
 
 
 def test_timers_step_in_only_while_maps_are_missing(clocks, seam):

@@ -41,7 +41,7 @@ class PlanningInputs:
     def __init__(self, config, manager, navigation_map, lock, on_jump, seam):
         self._config, self._manager, self._map, self._lock = config, manager, navigation_map, lock
         self._on_jump, self._seam = on_jump, seam
-        self._stamps_s = {"odometry": 0.0, "tracker": 0.0, "control": 0.0}  # newest stamps
+        self._stamps_s = {"odometry": 0.0, "tracker": 0.0, "control": 0.0, "state": 0.0}  # newest stamps
         self._optimised_T_W_O = None  # published by the optimiser; None: that of tf is used
         self._correction_stamp = self._correction_mark = None  # newest on tf, when first seen
         self.odometry_frame, self.map_frame = "", config.map_frame
@@ -114,8 +114,9 @@ class PlanningInputs:
 
     def _on_uav_state(self, msg):
         if self._iteration is not None and msg.estimator_iteration != self._iteration:
-            self._on_jump("odometry jumped: the estimator was switched or reset")
+            self._seam.deliver(0.0, self._on_jump, "odometry jumped: the estimator was switched or reset")
         self._iteration = msg.estimator_iteration
+        self._note("state", msg.header.stamp.to_sec())
 
     def _on_control(self, msg):
         control = Control(msg.flying_normally, msg.tracker_status.callbacks_enabled,

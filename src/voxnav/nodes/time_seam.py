@@ -50,6 +50,14 @@ class ProgressPublisher:
         """Reports that all inputs up to the stamp are done."""
         self._publisher.publish(Progress(node=self._node, stamp=stamp))
 
+    def listen(self, act):
+        """Calls act(stamp_s) when something is announced to this node."""
+        def on_progress(msg):
+            if msg.is_begun and msg.node == self._node:
+                act(msg.stamp.to_sec())
+
+        rospy.Subscriber("~progress_out", Progress, on_progress, queue_size=50)
+
     def announce(self, stamp):
         """Announces that a message is about to be sent to the consumers, which report this stamp when it is done."""
         for node in self._consumers:
@@ -240,6 +248,8 @@ class WaitingSimulation:
 
     def wait_for(self, is_caught_up):
         self._is_caught_up = is_caught_up
+        # A cloud that was lost, and with it a map, is announced instead. Then things happen without them.
+        self._progress.listen(self.map_arrived)
 
     def arrived(self):
         with self._arrived:
