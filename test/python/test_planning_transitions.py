@@ -11,7 +11,7 @@ import voxnav
 import voxnav.planning_manager as package
 from voxnav.planning_manager import (Because, Generate, Generated, Hover, Idle, Level, Means, Moving, Plan, Planning,
                                      Publish, Reason)
-from voxnav.planning_manager import checking, flying, planning, stopping, stops, takeover, ways
+from voxnav.planning_manager import checking, flying, main_loop, planning, stopping, stops, takeover, ways
 from voxnav.planning_manager.facts import Facts
 from voxnav.planning_manager.inputs import Control, Frames, Inputs, Prediction, Timed, Vehicle
 from voxnav.planning_manager.progress import DEAD_END_M, GoalProgress
@@ -126,33 +126,33 @@ def test_stop_drops_the_goal_and_hovers():
     (Control(True, False, False), "hover or land"), (Control(False, False, False), "landed"),
     (Control(True, True, False), "somebody else commands")])
 def test_a_command_of_another_node_drops_the_goal_and_no_command_follows(control, words):
-    after, actions = planning.tick(moving_state(), facts(control=control))
+    after, actions = main_loop.tick(moving_state(), facts(control=control))
     assert isinstance(after, Idle) and after.goal is None and not actions
     assert after.because.reason is Reason.TAKEN_OVER and words in after.because.sentence
 
 
 def test_a_trajectory_that_has_ended_is_no_command_of_another_node():
     over = flight(begin_s=NOW - 0.2 - TRAJECTORY.duration_s)
-    after, _ = planning.tick(moving_state(flight=over), at_rest(control=Control(True, True, False)))
+    after, _ = main_loop.tick(moving_state(flight=over), at_rest(control=Control(True, True, False)))
     assert after.goal is not None
 
 
 def test_own_hover_explains_the_callbacks_until_they_are_back():
     braking = Control(is_flying=True, accepts_goals=False, is_tracking=False)
     state = planning_state(hover=OwnHover(BECAUSE, NOW - 1.0, NOW - 0.9))
-    after, actions = planning.tick(state, facts(control=braking))
+    after, actions = main_loop.tick(state, facts(control=braking))
     assert after.hover is not None and after.because is BECAUSE and not actions
-    after, _ = planning.tick(after, facts())
+    after, _ = main_loop.tick(after, facts())
     assert after.hover is None
-    after, _ = planning.tick(after, facts(control=braking))
+    after, _ = main_loop.tick(after, facts(control=braking))
     assert after.because.reason is Reason.TAKEN_OVER
 
 
 def test_a_hover_is_repeated_until_it_is_accepted_and_nothing_else_is_done():
     state = planning_state(hover=OwnHover(BECAUSE, NOW))
-    after, actions = planning.tick(state, facts(NOW + 0.5))
+    after, actions = main_loop.tick(state, facts(NOW + 0.5))
     assert after.hover.sent_s == NOW and not actions
-    after, actions = planning.tick(state, facts(NOW + 1.5))
+    after, actions = main_loop.tick(state, facts(NOW + 1.5))
     assert after.hover.sent_s == NOW + 1.5 and actions[0].is_repeat
     after, _ = stopping.hover_answered(after, "refused", facts(NOW + 1.6))
     assert after.hover.sent_s == NOW + 1.6 and "hover fails: refused" in after.because.sentence
@@ -162,7 +162,7 @@ def test_a_hover_is_repeated_until_it_is_accepted_and_nothing_else_is_done():
 
 def test_no_hover_is_commanded_on_the_ground():
     state = Idle(BECAUSE, None, OwnHover(BECAUSE, NOW - 5.0))
-    after, actions = planning.tick(state, at_rest(control=Control(False, False, False)))
+    after, actions = main_loop.tick(state, at_rest(control=Control(False, False, False)))
     assert after.hover is None and not actions
 
 
@@ -178,11 +178,11 @@ MISSING = {
 def test_a_missing_input_leads_to_idle_with_the_goal_and_hovers_only_in_motion(reason):
     lacking = replace(facts(), inputs=replace(inputs(), **MISSING[reason]))
     for state in (moving_state(), planning_state(job=publishing())):
-        after, actions = planning.tick(state, lacking)
+        after, actions = main_loop.tick(state, lacking)
         assert isinstance(after, Idle) and after.goal.position_W is GOAL.position_W and kinds(actions) == [Hover]
         assert after.because.reason is reason and after.because.sentence.startswith("hover: ")
         assert reason.level is Level.WARN
-    after, actions = planning.tick(planning_state(), lacking)
+    after, actions = main_loop.tick(planning_state(), lacking)
     assert isinstance(after, Idle) and not actions and after.because.reason is reason
 
 
@@ -194,9 +194,9 @@ def test_a_clock_that_jumps_back_leads_to_hover_and_restarts_the_timeouts():
 
 
 def test_idle_with_a_goal_resumes_once_nothing_is_missing():
-    after, actions = planning.tick(Idle(BECAUSE, GOAL), at_rest())
+    after, actions = main_loop.tick(Idle(BECAUSE, GOAL), at_rest())
     assert isinstance(after, Planning) and after.because.reason is Reason.RESUMED and kinds(actions) == [Plan]
-    after, actions = planning.tick(Idle(BECAUSE), at_rest())
+    after, actions = main_loop.tick(Idle(BECAUSE), at_rest())
     assert isinstance(after, Idle) and not actions
 
 
@@ -214,11 +214,11 @@ def test_a_jump_of_the_frame_brakes_in_motion_and_drops_the_job_at_rest():
 def test_arrival_needs_the_place_and_rest():
     there = dict(position=(19.5, 0.0, 2.0), control=Control(True, True, False))
     over = moving_state(flight=flight(begin_s=NOW - 30.0))
-    after, actions = planning.tick(over, at_rest(**there))
+    after, actions = main_loop.tick(over, at_rest(**there))
     assert isinstance(after, Idle) and after.goal is None and after.because.reason is Reason.REACHED and not actions
-    after, _ = planning.tick(over, facts(**there))
+    after, _ = main_loop.tick(over, facts(**there))
     assert after.goal is not None
-    after, _ = planning.tick(over, at_rest(position=(15.0, 0.0, 2.0), control=Control(True, True, False)))
+    after, _ = main_loop.tick(over, at_rest(position=(15.0, 0.0, 2.0), control=Control(True, True, False)))
     assert after.goal is not None
 
 
@@ -226,23 +226,23 @@ def test_arrival_needs_the_place_and_rest():
     (Searching(JOB, NOW - 5.0, None), "search"), (replace(publishing(), begin_s=NOW - 5.0), "trajectory service"),
     (Generating(JOB, NOW - 5.0, None), "trajectory generator")])
 def test_a_job_that_does_not_answer_has_failed(job, words):
-    after, actions = planning.tick(moving_state(job=job), facts())
+    after, actions = main_loop.tick(moving_state(job=job), facts())
     assert isinstance(after, Moving) and after.job is None and not actions
     assert after.because == Because(Reason.NO_ANSWER, words + " does not answer")
-    after, _ = planning.tick(planning_state(job=job), at_rest())
+    after, _ = main_loop.tick(planning_state(job=job), at_rest())
     assert isinstance(after, Planning) and after.plan_from_s == NOW + CONFIG.retry_interval_s
 
 
 def test_no_progress_gives_the_goal_up_with_the_last_verdict():
     old = GoalProgress(NOW - CONFIG.stuck_time_s - 1.0, 20.0)
-    after, actions = planning.tick(planning_state(progress=old), at_rest())
+    after, actions = main_loop.tick(planning_state(progress=old), at_rest())
     assert isinstance(after, Idle) and after.because.reason is Reason.STUCK and kinds(actions) == [Hover]
     assert after.because.sentence == "stuck: no shorter way for 25 s: for the test"
     enclosed = Verdict(Because(Reason.GOAL_ENCLOSED, "enclosed"), NOW, 3.0)
-    after, _ = planning.tick(planning_state(progress=old, verdict=enclosed), at_rest())
+    after, _ = main_loop.tick(planning_state(progress=old, verdict=enclosed), at_rest())
     assert after.because is enclosed.because
     closed = GoalProgress(NOW, 20.0, CONFIG.max_dead_ends)
-    after, _ = planning.tick(planning_state(progress=closed), at_rest())
+    after, _ = main_loop.tick(planning_state(progress=closed), at_rest())
     assert after.because.sentence == "stuck: 20 ways were closed: for the test"
 
 
@@ -250,11 +250,11 @@ def test_a_shorter_way_left_on_the_flown_trajectory_is_progress_and_motion_alone
     # 12 m of trajectory and 10 m beyond it are planned; 2 m of it are flown.
     known = facts(position=(2.0, 0.0, 2.0))
     flown = flight(begin_s=NOW - 1.0)
-    after, _ = planning.tick(moving_state(flight=flown, progress=GoalProgress(NOW - 9.0, 21.5)), known)
+    after, _ = main_loop.tick(moving_state(flight=flown, progress=GoalProgress(NOW - 9.0, 21.5)), known)
     assert after.progress.since_s == NOW and after.progress.shortest_m == pytest.approx(20.0)
     for shortest_m in (20.5, 12.0):
         old = GoalProgress(NOW - 9.0, shortest_m)
-        after, _ = planning.tick(moving_state(flight=flown, progress=old), known)
+        after, _ = main_loop.tick(moving_state(flight=flown, progress=old), known)
         assert after.progress is old
 
 
@@ -268,15 +268,15 @@ def test_a_plan_that_is_much_longer_is_a_dead_end_and_begins_anew():
 
 
 def test_a_plan_begins_where_the_vehicle_rests_or_where_it_will_be():
-    after, (plan,) = planning.tick(planning_state(), at_rest())
+    after, (plan,) = main_loop.tick(planning_state(), at_rest())
     assert np.array_equal(plan.start_O, (1.0, 0.0, 2.0)) and after.job.start_stamp_s is None
     due = replace(moving_state(), plan_from_s=NOW)
-    after, (plan,) = planning.tick(due, facts())
+    after, (plan,) = main_loop.tick(due, facts())
     stamp_s = NOW + CONFIG.planning_budget_s + CONFIG.generation_budget_s
     assert isinstance(after, Moving) and after.job == Searching(JOB, NOW, stamp_s)
     assert np.allclose(plan.start_O, (1.0 + 2.0 * (stamp_s - NOW), 0.0, 2.0))
     over = replace(moving_state(flight=flight(begin_s=NOW - 30.0)), plan_from_s=NOW)
-    after, actions = planning.tick(over, at_rest(control=Control(True, True, False)))
+    after, actions = main_loop.tick(over, at_rest(control=Control(True, True, False)))
     assert isinstance(after, Planning) and kinds(actions) == [Plan]
 
 
@@ -526,7 +526,7 @@ def test_a_search_that_cannot_be_made_is_tried_again():
                                    Idle(BECAUSE, GOAL)])
 def test_while_the_bumper_repels_the_vehicle_nothing_is_commanded(state):
     repelling = Control(is_flying=True, accepts_goals=False, is_tracking=False, is_repelling=True)
-    after, actions = planning.tick(state, facts(control=repelling))
+    after, actions = main_loop.tick(state, facts(control=repelling))
     assert isinstance(after, Idle) and after.goal is not None and not actions
     assert after.because.reason is Reason.REPELLED
 
@@ -688,16 +688,16 @@ def test_a_hover_refused_in_motion_escalates_at_once():
     assert told.because.sentence == "hover: no map; hover fails: refused"
     state, actions = stopping.hover_answered(state, "refused", facts())
     assert not actions and "emergency hover fails: refused" in state.because.sentence
-    state, (hover,) = planning.tick(state, facts(NOW + 1.1))
+    state, (hover,) = main_loop.tick(state, facts(NOW + 1.1))
     assert hover.means is Means.HOVER, "after a pause it begins anew"
 
 
 def test_an_emergency_hover_lasts_until_commands_are_allowed_again():
     state = planning_state(hover=OwnHover(BECAUSE, NOW, NOW, Means.EHOVER))
     refusing = Control(is_flying=True, accepts_goals=False, is_tracking=False)
-    after, actions = planning.tick(state, at_rest(NOW + 60.0, control=refusing))
+    after, actions = main_loop.tick(state, at_rest(NOW + 60.0, control=refusing))
     assert after.hover is not None and after.goal is not None and not actions
-    after, _ = planning.tick(state, at_rest(NOW + 60.0))
+    after, _ = main_loop.tick(state, at_rest(NOW + 60.0))
     assert after.hover is None
 
 
@@ -769,5 +769,5 @@ def test_the_table_names_functions_that_exist():
     assert len(rows) > 20
     for row in rows:
         name = row.split()[-1]
-        modules = (stopping, takeover, planning, flying, checking)
+        modules = (stopping, takeover, main_loop, planning, flying, checking)
         assert any(hasattr(module, name) for module in modules) or row.endswith("   "), row

@@ -10,6 +10,7 @@ import numpy as np
 from voxnav.array_types import Array
 from voxnav.planning_manager.actions import Action
 from voxnav.planning_manager.inputs import Control, Inputs, Limits, Timed, Vehicle
+from voxnav.planning_manager.missing import missing
 from voxnav.planning_manager.reasons import Because
 from voxnav.planning_manager.states import Flight, Goal, State
 
@@ -66,7 +67,7 @@ class Facts:
         return replace(self, look=_no_map)
 
     def missing(self) -> Optional[Because]:
-        return self.inputs.missing(self.now_s, self.config)
+        return missing(self.inputs, self.now_s, self.config)
 
     def goal_O(self, goal: Goal) -> Array:
         T_W_O = _there(self.inputs.T_W_O)

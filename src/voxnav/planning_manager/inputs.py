@@ -1,17 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The inputs of the planning manager from the vehicle and the maps, and which of them are missing."""
+"""The inputs of the planning manager from the vehicle and the maps."""
 
 from dataclasses import dataclass, field
-from typing import Any, FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
+from typing import FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
 
 import numpy as np
 
 from voxnav.array_types import Array
-from voxnav.planning_manager.reasons import Because, Reason
 
 T = TypeVar("T")
-# Stamps that are this much newer than now come from another clock, so that their age tells nothing.
-FUTURE_S = 1.0
 # Limits of speed [m/s] and acceleration [m/s^2] outside this range are no limits of a UAV.
 LEAST_LIMIT, GREATEST_LIMIT = 0.05, 100.0
 # A vehicle that is this far from where its velocity leads it within this time has not moved there.
@@ -115,49 +112,6 @@ class Inputs:
         """True if the vehicle is known to fly."""
         return self.control is not None and self.control.value.is_flying
 
-    def missing(self, now_s: float, config: Any) -> Optional[Because]:
-        """Tells why the vehicle may not fly now; None if nothing is missing.
-
-        config: voxnav.PlanningManagerConfig
-        """
-        return (self._missing_vehicle(now_s, config) or self._missing_limits(now_s, config)
-                or self._missing_map(now_s, config))
-
-    def _missing_vehicle(self, now_s: float, config: Any) -> Optional[Because]:
-        old = (_missing(self.vehicle, Reason.NO_ODOMETRY, "odometry", now_s, config.odometry_timeout_s)
-               or _missing(self.control, Reason.NO_DIAGNOSTICS, "control manager diagnostics", now_s,
-                           config.diagnostics_timeout_s))
-        if old is not None or self.control is None:
-            return old
-        if not self.control.value.is_flying:
-            return Because(Reason.NOT_FLYING, "not flying")
-        if self.control.value.is_repelling:
-            return Because(Reason.REPELLED, "the bumper repels the vehicle")
-        if not self.control.value.accepts_goals:
-            return Because(Reason.TRACKER_REFUSES, "tracker does not accept goals")
-        return None
-
-    def _missing_limits(self, now_s: float, config: Any) -> Optional[Because]:
-        if self.limits_problem:
-            return Because(Reason.NO_CONSTRAINTS, self.limits_problem)
-        return (_missing(self.limits, Reason.NO_CONSTRAINTS, "constraints", now_s, config.constraints_timeout_s)
-                or _missing(self.prediction, Reason.NO_PREDICTION, "tracker prediction", now_s,
-                            config.tracker_timeout_s))
-
-    def _missing_map(self, now_s: float, config: Any) -> Optional[Because]:
-        grid = None if self.map_stamp_s is None else Timed(self.map_stamp_s, None)
-        old = _missing(grid, Reason.NO_MAP, "local map", now_s, config.map_timeout_s)
-        if old is not None:
-            return old
-        if None not in (self.frames.map, self.frames.odometry) and self.frames.map != self.frames.odometry:
-            return Because(Reason.FRAMES_DIFFER, "the local map is in frame %s, the vehicle in %s" % (
-                self.frames.map, self.frames.odometry))
-        timeout_s = config.correction_timeout_s if config.correction_timeout_s > 0.0 else None
-        old = _missing(self.T_W_O, Reason.NO_CORRECTION, "map correction", now_s, timeout_s)
-        if old is not None:
-            return old
-        return Because(Reason.NODE_LOST, min(self.lost_nodes) + " is not running") if self.lost_nodes else None
-
 
 def problem_of_limits(values: Sequence[float]) -> str:
     """Tells why limits are no limits of a UAV; '' if they may be."""
@@ -166,16 +120,3 @@ def problem_of_limits(values: Sequence[float]) -> str:
     if not (LEAST_LIMIT <= min(values) and max(values) <= GREATEST_LIMIT):
         return "constraints are not between %g and %g" % (LEAST_LIMIT, GREATEST_LIMIT)
     return ""
-
-
-def _missing(value: Optional[Timed[T]], reason: Reason, what: str, now_s: float,
-             timeout_s: Optional[float]) -> Optional[Because]:
-    """Tells what is wrong with one input; None if nothing is. timeout_s: None if its age does not matter."""
-    if value is None:
-        return Because(reason, "no %s yet" % what)
-    # The sentences do not tell the age, which would give a new text on every tick.
-    if timeout_s is not None and value.stamp_s < now_s - timeout_s:
-        return Because(reason, what + " lost")
-    if value.stamp_s > now_s + FUTURE_S:
-        return Because(reason, what + " is stamped in the future")
-    return None

@@ -8,7 +8,7 @@ import numpy as np
 
 from voxnav._core import PlanOutcome
 from voxnav.array_types import Array
-from voxnav.planning_manager import checking, flying, planning, stopping
+from voxnav.planning_manager import checking, flying, main_loop, planning, stopping
 from voxnav.planning_manager.actions import Action, Hover, Plan, Publish
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.generated import Generated
@@ -126,7 +126,7 @@ class PlanningManager:
         if self._jump_m > 0.0:
             sentence, self._jump_m = "odometry jumped by %.1f m" % self._jump_m, 0.0
             return self.frame_jumped(sentence, now_s)
-        return self._take(planning.tick(self._state, self._facts(now_s)))
+        return self._take(main_loop.tick(self._state, self._facts(now_s)))
 
     def check(self, now_s: float) -> List[Action]:
         """Checks whatever the vehicle flies; to be called at 10 Hz."""
