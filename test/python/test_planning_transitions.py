@@ -414,7 +414,11 @@ def test_at_the_nearest_place_the_goal_is_given_up(status):
     assert isinstance(after, Idle), "another place that is hardly nearer is not worth flying to"
     unsafe = blocked(status, ((0, 0, 2), (9, 0, 2)))
     after, _ = planning.plan_done(searching(), JOB, unsafe, at_rest())
-    assert isinstance(after, Planning) and after.verdict is None, "there is a way, but it is not known to be free"
+    assert isinstance(after, Planning) and after.because == Because(Reason.PLAN_FAILED, "no way")
+    assert not after.verdict.is_final(NOW + 99.0), "there is a way, but it is not known to be free"
+    old = replace(after, progress=GoalProgress(NOW - CONFIG.stuck_time_s - 1.0, 5.0))
+    after, _ = main_loop.tick(old, at_rest())
+    assert isinstance(after, Idle) and after.because.reason is ABOUT_GOAL[status], "the same answer as elsewhere"
 
 
 def test_a_flight_to_the_nearest_place_of_a_blocked_goal_is_the_last_until_the_map_shows_another():

@@ -84,7 +84,8 @@ def no_way(state: Active, outcome: PlanOutcome, facts: Facts) -> Step:
     verdict = verdict_of(state.verdict, outcome, is_resting, facts.now_s)
     if verdict is not None and verdict.is_final(facts.now_s):
         return stop(state, verdict.because, facts)
-    because = Because(Reason.PLAN_FAILED, outcome.problem) if verdict is None else verdict.because
+    is_told = verdict is not None and verdict.confirm_s is not None
+    because = verdict.because if verdict is not None and is_told else Because(Reason.PLAN_FAILED, outcome.problem)
     return replace(fail(state, because, facts), verdict=verdict), ()
 
 

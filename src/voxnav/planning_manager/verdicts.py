@@ -8,7 +8,7 @@ that leads nearer to the goal can be flown. So one and the same goal in one and 
 time.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Optional
 
 from voxnav._core import PlanOutcome, PlanStatus, explain
@@ -51,14 +51,17 @@ MEANINGS = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """A reason against the goal, and since when all searches have given it and nothing was worth flying."""
+    """A reason against the goal, and since when all searches have given it and nothing was worth flying.
+
+    confirm_s: how long that must be so until the goal is given up; None: it is only told when the goal is given up
+    """
 
     because: Because
     since_s: float
-    confirm_s: float
+    confirm_s: Optional[float]
 
     def is_final(self, now_s: float) -> bool:
-        return now_s - self.since_s >= self.confirm_s
+        return self.confirm_s is not None and now_s - self.since_s >= self.confirm_s
 
 
 def verdict_of(before: Optional[Verdict], outcome: PlanOutcome, is_resting: bool, now_s: float) -> Optional[Verdict]:
@@ -68,14 +71,12 @@ def verdict_of(before: Optional[Verdict], outcome: PlanOutcome, is_resting: bool
     """
     meaning = MEANINGS[outcome.status]
     has_path = meaning.leads_near and len(outcome.plan.path) > 0
-    if not is_resting and (has_path or not meaning.is_about_goal):
-        return None
-    confirm_s = meaning.confirm_s
+    confirm_s = meaning.confirm_s if is_resting else None
     if meaning.is_about_goal:
-        confirm_s = 0.0 if has_path else SECOND_SEARCH_S
-    if confirm_s is None:
+        confirm_s = SECOND_SEARCH_S if not has_path else 0.0 if is_resting else None
+    elif confirm_s is None:
         return None
     if before is not None and before.because.reason is meaning.reason:
-        return before
+        return replace(before, confirm_s=confirm_s)
     because = Because(meaning.reason, "goal cannot be reached: " + explain(outcome.status))
     return Verdict(because, now_s, confirm_s)
