@@ -580,15 +580,17 @@ def test_a_tracker_that_leads_away_from_the_trajectory_gets_a_new_plan():
     assert after.because is BECAUSE, "the prediction is older than the trajectory"
 
 
-def test_a_tracker_that_leads_into_an_obstacle_is_braked_or_far_ahead_gets_a_new_plan():
-    aside = np.array(AHEAD) + [(0.0, min(1.2, 0.1 * i), 0.0) for i in range(40)]
+def test_a_tracker_that_leads_into_an_obstacle_is_braked_or_gets_a_new_plan_while_there_is_time():
+    # At 2 m/s the vehicle stops within 2.2 m; with the margin and the next check 3.0 m, and a plan takes 2.4 m more.
+    aside = np.array(AHEAD) + (0.0, 0.7, 0.0)
     near = moving_state(flight=replace(flight(), taken_s=NOW))
-    after, actions = checking.check(near, predicting(aside, seen=view((4.2, 1.4))))
+    after, actions = checking.check(near, predicting(aside, seen=view((4.0, 1.1))))
     assert isinstance(after, Planning) and kinds(actions) == [Hover]
-    assert after.because.reason is Reason.UNSAFE_PREDICTION and "occupied in" in after.because.sentence
-    after, actions = checking.check(near, predicting(aside, seen=view((11.0, 1.8))))
+    assert after.because.reason is Reason.UNSAFE_PREDICTION and "occupied in 2." in after.because.sentence
+    after, actions = checking.check(near, predicting(aside, seen=view((5.6, 1.1))))
     assert isinstance(after, Moving) and not actions and after.because.reason is Reason.UNSAFE_PREDICTION
     assert after.plan_from_s == NOW + CONFIG.retry_interval_s, "the trajectory is new, so a plan has just been made"
+    assert checking.check(near, predicting(aside, seen=view((8.8, 1.1)))) == (near, ()), "a new prediction comes before"
 
 
 def test_a_vehicle_that_a_gust_brought_near_to_an_obstacle_is_not_stopped_there_if_its_way_leads_out():

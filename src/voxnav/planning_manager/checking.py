@@ -17,11 +17,13 @@ from voxnav.planning_manager.states import (Active, Flight, Idle, Leads, OwnHove
                                             own_hover)
 from voxnav.planning_manager.stopping import brake
 from voxnav.planning_manager.stops import asked_for, best_stop, danger_in_steps
-from voxnav.planning_manager.ways import braking_limits, way_ahead
+from voxnav.planning_manager.ways import straight_way, way_ahead
 
 # Nearer than this along its way, the vehicle is beside the unsafe place already.
 BESIDE_M = 0.05
 OCCUPIED = 2  # state of a voxel, as in CorridorResult
+# The next check comes after this time at the latest.
+NEXT_CHECK_S = 0.2
 # The tracker's prediction is compared with the trajectory at these times from now.
 AHEAD_S = (0.0, 0.5, 1.0, 2.0)
 # A prediction shows a trajectory if it was made this much after the tracker took it.
@@ -129,26 +131,24 @@ def _check_trajectory(state: Active, flight: Flight, view: Any, facts: Facts) ->
 
 
 def _check_prediction(state: Active, flight: Flight, view: Any, facts: Facts) -> Optional[Step]:
-    """Brakes where the tracker leads into space that is not known free, or plans anew if that is still far ahead.
+    """Brakes where the tracker leads into space that is not known free, or plans anew while there is time for it.
 
-    The corridor is smaller than that of the trajectory by what the flight may deviate from it.
+    The corridor is smaller than that of the trajectory by what the flight may deviate from it. Farther ahead the
+    prediction does not matter yet, because a new one comes before the vehicle does.
     """
     radius_m = flight.leads.radius_m - facts.config.trajectory_deviation_m
     seen = _first_unsafe(way_ahead(facts), view, max(0.0, radius_m))
     if seen is None:
         return None
     text = "the tracker leads where it is " + _place(seen)
-    if seen.first_unsafe_m > _room_to_plan_m(facts):
+    speed, config = facts.vehicle.speed_mps, facts.config
+    stopping_m = straight_way(facts).length_m + config.stop_margin_m + speed * NEXT_CHECK_S
+    if seen.first_unsafe_m < stopping_m:
+        return brake(state, Because(Reason.UNSAFE_PREDICTION, "brake: " + text), facts)
+    if seen.first_unsafe_m < stopping_m + speed * (config.planning_budget_s + config.generation_budget_s):
         because = Because(Reason.UNSAFE_PREDICTION, "plans anew: " + text)
         return plan_anew(state, flight, because, facts), ()
-    return brake(state, Because(Reason.UNSAFE_PREDICTION, "brake: " + text), facts)
-
-
-def _room_to_plan_m(facts: Facts) -> float:
-    """Returns the distance that is flown until a new plan has come, or else the vehicle has braked."""
-    config, speed = facts.config, facts.vehicle.speed_mps
-    wait_s = config.reaction_time_s + config.planning_budget_s + config.generation_budget_s
-    return float(speed * wait_s + speed ** 2 / (2.0 * min(braking_limits(facts))) + config.stop_margin_m)
+    return None
 
 
 def _problem_ahead(facts: Facts) -> str:
