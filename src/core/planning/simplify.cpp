@@ -66,12 +66,12 @@ class Simplifier {
 
   /// Returns the farthest cell to which a straight line from cell `from` may replace the path.
   std::size_t farthest_from(std::size_t from) const {
-    std::size_t good = from + 1, stride = 1, bad = cells_.size();
+    std::size_t good = from + 1, stride = 1;
     while (good + stride < cells_.size() && is_replaceable(from, good + stride)) {
       good += stride;
       stride *= 2;
     }
-    bad = std::min(cells_.size(), good + stride);
+    std::size_t bad = std::min(cells_.size(), good + stride);
     while (bad - good > 1) {
       const std::size_t middle = (good + bad) / 2;
       (is_replaceable(from, middle) ? good : bad) = middle;

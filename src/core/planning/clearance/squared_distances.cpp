@@ -45,7 +45,7 @@ void take_least(const std::int16_t* in, std::int16_t weight, Column* out) {
 }  // namespace
 
 SquaredDistanceTransform::SquaredDistanceTransform(int reach, int limit) : reach_(reach), limit_(limit) {
-  const auto side = static_cast<std::size_t>(kSide + 2 * reach);
+  const std::size_t side = kSide + 2 * static_cast<std::size_t>(reach);
   for (int k = 0; k <= reach; ++k) weights_.push_back(squared_face(k));
   heights_.resize(side * side);
   rows_.resize(side * side);

@@ -170,7 +170,7 @@ class PathSearch {
     }
     path_.insert(path_.begin(), before.begin(), before.end());
     result_.cost_m = cost_ * resolution_m_;
-    for (const Vec3& point : path_) result_.path.push_back(point * resolution_m_);
+    for (const Vec3& point : path_) result_.path.emplace_back(point * resolution_m_);
     for (std::size_t i = 1; i < path_.size(); ++i) result_.length_m += (path_[i] - path_[i - 1]).norm() * resolution_m_;
   }
 
