@@ -39,6 +39,7 @@ class FakeFlight:
         self.fails = set()  # kinds of actions, and means of stopping, that the services refuse
         self.shift = np.zeros(3)  # how far the vehicle is from where the tracker believes it to be
         self.delay_s = 0.0  # how old the answers of the generator are
+        self.broken = set()  # kinds of actions that cannot be executed
         self.silent = set()  # kinds of actions that are never answered
         self.lost = set()  # inputs that are no longer updated
         self.limits = None  # limits that the control manager tells; None: LIMITS
@@ -113,7 +114,9 @@ class FakeFlight:
         for action in actions:
             because = getattr(action, "because", None)
             self.log.append((action.name, because.sentence if because else ""))
-            if action.name not in self.silent:
+            if action.name in self.broken:
+                self.do(self.manager.failed(action, "broken for the test", self.now))
+            elif action.name not in self.silent:
                 self.do(self.answer(action) or [])
 
     def answer(self, action):

@@ -136,6 +136,27 @@ def test_a_service_that_never_answers_is_named_and_tried_again(kind):
     assert flight.fly(30.0, reached)
 
 
+@pytest.mark.parametrize("kind", ["plan", "generate", "publish"])
+def test_an_action_that_cannot_be_executed_is_named_at_once_and_tried_again(kind):
+    flight = started(world(), (10.0, 0.0, 0.0))
+    flight.broken.add(kind)
+    flight.fly(0.2)
+    assert "broken for the test" in flight.manager.status["reason"]
+    flight.broken.clear()
+    assert flight.fly(30.0, reached)
+
+
+def test_a_hover_that_cannot_be_executed_is_tried_again():
+    flight = started(world(), (25.0, 0.0, 0.0))
+    assert flight.fly(10.0, moving)
+    flight.broken.add("hover")
+    flight.do(flight.manager.stop("stopped by the user", flight.now))
+    assert "broken for the test" in flight.manager.status["reason"] and flight.flown is not None
+    flight.broken.clear()
+    flight.fly(2.0)
+    assert flight.flown is None
+
+
 def test_hover_is_repeated_until_it_is_accepted():
     flight = started(world(), (25.0, 0.0, 0.0))
     assert flight.fly(10.0, moving)

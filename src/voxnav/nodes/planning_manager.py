@@ -137,23 +137,27 @@ class PlanningManagerNode:
         with self._lock:
             is_wanted = self._manager.is_wanted(action)
         if is_wanted:
-            with self._failures_said(action), self._diagnostics.time(action.name):
+            with self._failures_answered(action), self._diagnostics.time(action.name):
                 finish = self._doers[type(action)](action)
                 return lambda: self._answer(action, finish)
         return None
 
     def _answer(self, action, finish):
         actions = []
-        with self._failures_said(action), self._lock:
+        with self._failures_answered(action), self._lock:
             actions = finish(self._seam.now().to_sec())
         self._dispatch(actions)
 
     @contextlib.contextmanager
-    def _failures_said(self, action):
+    def _failures_answered(self, action):
+        """Passes a failure of an action to the manager, where it becomes a reason."""
         try:
             yield
         except (ValueError, RuntimeError, rospy.ROSException) as error:
             rospy.logerr("[%s]: %s failed: %s", NAME, action.name, error)
+            with self._lock:
+                actions = self._manager.failed(action, str(error), self._seam.now().to_sec())
+            self._dispatch(actions)
 
     def _do_plan(self, action):
         view, limits = self._map.view(), self._inputs.limits
