@@ -84,10 +84,20 @@ def test_clearance_field_knows_distances_and_what_is_connected():
     left, right = field.components(points)[:2]
     assert left == right != 0
     assert field.memory_bytes > 0 and field.resolution_m == 0.4
-    with pytest.raises(ValueError, match="radius_m"):
-        voxnav.ClearanceField(voxnav.ClearanceFieldConfig(radius_m=20.0)).update(grid)
+    with pytest.raises(ValueError, match="safety_distance_m 8.00 is more than 16 voxels"):
+        voxnav.ClearanceField(voxnav.ClearanceFieldConfig(safety_distance_m=8.0, radius_m=8.0)).update(grid)
     with pytest.raises(voxnav.ConfigError, match="radius_m"):
         voxnav.ClearanceField(voxnav.ClearanceFieldConfig(radius_m=0.5, safety_distance_m=1.0))
+
+
+def test_on_a_fine_map_distances_are_kept_as_far_as_the_field_can():
+    states = np.ones((128, 64, 32), dtype=np.int8)
+    states[60] = 2
+    field = voxnav.ClearanceField(voxnav.FlightSearchConfig().field_config())
+    field.update(voxnav.StateGrid.from_array(states, (0.0, 0.0, 0.0), 0.1))
+    planner = voxnav.PathPlanner(voxnav.FlightSearchConfig().planner_config())
+    plan = planner.plan(field, (1.0, 3.0, 1.6), (4.5, 3.0, 1.6))
+    assert plan.status == "complete" and plan.cost_m >= plan.length_m == pytest.approx(3.5, abs=0.01)
 
 
 def divided_field():

@@ -23,7 +23,7 @@ struct ClearanceFieldConfig {
     v("safety_distance_m", &ClearanceFieldConfig::safety_distance_m, base::in(0.0, 10.0), "m",
       "voxels nearer than this to occupied ones are not flyable");
     v("radius_m", &ClearanceFieldConfig::radius_m, base::in(0.0, 20.0), "m",
-      "distances to occupied voxels are kept up to this one; 16 voxels at most");
+      "distances to occupied voxels are kept up to this one, or up to 16 voxels if that is less");
     v("unknown_radius_m", &ClearanceFieldConfig::unknown_radius_m, base::in(0.0, 20.0), "m",
       "distances to unknown voxels are kept up to this one, or to safety_distance_m if that is more; 16 voxels at "
       "most");
@@ -60,7 +60,7 @@ class ClearanceField {
   /// Takes over a map: all its blocks are compared with those of the last update. A view with other voxels than the
   /// last one starts the field anew. O(blocks) comparisons, then O(radius) operations for each voxel within reach of a
   /// change.
-  /// @throws std::invalid_argument  if radius_m or unknown_radius_m is more than 16 voxels of the view
+  /// @throws std::invalid_argument  if safety_distance_m is more than 16 voxels of the view
   /// @throws std::length_error      if the map needs more than max_memory_mib; the field is empty then
   ClearanceUpdate update(const OccupancyView& view);
   /// As update(), for a view that differs from the last one in the listed blocks and in its bounds at most.

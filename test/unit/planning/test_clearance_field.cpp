@@ -80,8 +80,11 @@ TEST(ClearanceField, AnotherResolutionStartsAnew) {
 
 TEST(ClearanceField, BadInputIsRefusedOrAnswered) {
   EXPECT_THROW(ClearanceField(config_of(2.0, 1.0)), base::ConfigError);
-  ClearanceField field(config_of(1.0, 20.0));
-  EXPECT_THROW(field.update(StateGridView(divided_box())), std::invalid_argument) << "20 voxels are too many";
+  auto fine = std::make_shared<containers::StateGrid>(0.25);
+  fine->set({0, 0, 0}, VoxelState::kFree);
+  ClearanceField field(config_of(5.0, 20.0));
+  EXPECT_THROW(field.update(StateGridView(fine)), std::invalid_argument) << "20 voxels are too many";
+  EXPECT_NO_THROW(ClearanceField(config_of(1.0, 20.0)).update(StateGridView(fine)));
   ClearanceField empty(config_of(1.0, 2.0));
   EXPECT_EQ(empty.component({0.0, 0.0, 0.0}), 0u);
   EXPECT_EQ(empty.clearance({0.0, 0.0, 0.0}), 2.0);

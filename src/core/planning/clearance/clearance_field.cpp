@@ -48,19 +48,18 @@ std::vector<Index3> ClearanceField::Impl::candidates(const OccupancyView& view) 
 
 ClearanceUpdate ClearanceField::Impl::update(const OccupancyView& view, const std::vector<Index3>& candidates) {
   const double resolution = view.resolution_m();
-  const double farthest_m = std::max(config_.radius_m, unknown_radius_m());
-  if (!(resolution > 0.0) || reach_of(farthest_m / resolution) > kMaxReach) {
+  if (!(resolution > 0.0) || reach_of(config_.safety_distance_m / resolution) > kMaxReach) {
     char text[160];
-    std::snprintf(text, sizeof text, "radius_m or unknown_radius_m, %.2f m, is more than %d voxels of %.3f m",
-                  farthest_m, kMaxReach, resolution);
+    std::snprintf(text, sizeof text, "safety_distance_m %.2f is more than %d voxels of %.3f m",
+                  config_.safety_distance_m, kMaxReach, resolution);
     throw std::invalid_argument(text);
   }
   if (resolution != resolution_m_ || view.grown_by_m() != grown_by_m_) {
     *this = Impl(config_);
     resolution_m_ = resolution;
     grown_by_m_ = view.grown_by_m();
-    occupied_transform_ = transform_up_to(config_.radius_m / resolution);
-    unknown_transform_ = transform_up_to(unknown_radius_m() / resolution);
+    occupied_transform_ = transform_up_to(radius_voxels());
+    unknown_transform_ = transform_up_to(std::min(unknown_radius_m() / resolution, 1.0 * kMaxReach));
   }
   std::vector<Index3> sorted = candidates;
   std::sort(sorted.begin(), sorted.end());

@@ -15,6 +15,8 @@ class ClearanceField::Impl {
   double resolution_m() const { return resolution_m_; }
   const ClearanceBlocks& blocks() const { return blocks_; }
   const VoxelBox& bounds() const { return bounds_; }
+  /// The radius up to which distances to occupied voxels are kept, in voxels. Precondition: there was an update.
+  double radius_voxels() const { return std::min(config_.radius_m / resolution_m_, 1.0 * kMaxReach); }
   /// The radius up to which distances to unknown voxels are kept.
   double unknown_radius_m() const { return std::max(config_.unknown_radius_m, config_.safety_distance_m); }
   /// The distance to be kept from the view's occupied voxels, which the view may have grown already.

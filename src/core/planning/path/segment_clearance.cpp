@@ -85,7 +85,7 @@ bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
   const Vec3 middle = 0.5 * (from + to);
   const geometry::Index3 voxel = geometry::index_of(middle, 1.0);
   const ClearanceBlock* block = field_.block_of(voxel);
-  const double kept = field_.config().radius_m / field_.resolution_m();
+  const double kept = field_.radius_voxels();
   double room = kept;
   if (block != nullptr && block->to_occupied != nullptr) {
     const int offset = geometry::offset_in_block(voxel);
