@@ -73,7 +73,8 @@ void bind_clearance_field(py::module_& m) {
       .def(py::init<ClearanceFieldConfig>(), py::arg("config") = ClearanceFieldConfig{})
       .def("update", &update_field, py::arg("view"),
            "Takes over a map; only what changed blocks can reach is computed again.\n\n"
-           "view: OccupancyView, StateGrid, LocalMap or SubmapCollection. Raises ValueError if safety_distance_m is more than\n"
+           "view: OccupancyView, StateGrid, LocalMap or SubmapCollection. Raises ValueError if safety_distance_m is "
+           "more than\n"
            "16 voxels of the view, or if the map needs more than max_memory_mib; the field is empty in that case.")
       .def(
           "clearance",
