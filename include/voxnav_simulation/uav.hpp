@@ -115,14 +115,12 @@ class Uav {
   void measure(const BodyState& before);
 
   UavConfig config_;
-  RefusalsConfig refusals_;
   AvoidanceConfig avoidance_;
   SensedWorld sensed_world_;
   GnssDrift drift_;
   ImuModel imu_model_;
   Rng random_;
   Tracker tracker_;
-  bool is_free_;  ///< whether the body moves by its own response and not exactly as the tracker
   TrackingResponse response_;
   Wind wind_;
   StateNoise noise_;
@@ -130,15 +128,17 @@ class Uav {
   Bumper bumper_;
   EstimatorResets resets_;
   Vec3 jump_ = Vec3::Zero();
-  std::uint32_t estimator_iteration_ = 0;
-  bool is_repelled_ = false;
   voxnav::base::StampNs stamp_ns_ = 0;
-  FlightPhase phase_ = FlightPhase::kIdle;
   Vec3 standing_W_ = Vec3::Zero();
   double standing_heading_rad_ = 0;  ///< true heading
   BodyState truth_;
   BodyState estimate_;
   ImuReading imu_;
+  std::uint32_t estimator_iteration_ = 0;
+  FlightPhase phase_ = FlightPhase::kIdle;
+  RefusalsConfig refusals_;
+  bool is_free_;  ///< whether the body moves by its own response and not exactly as the tracker
+  bool is_repelled_ = false;
 };
 
 /// Returns the orientation of a multirotor whose thrust gives this acceleration. Seen from above, the body's x axis

@@ -42,7 +42,8 @@ class NearBlocks {
     const Index3 at = geometry::block_of(voxel) - low_;
     // Rounding may lead a voxel's centre just out of the box around all of them.
     if (at.x < 0 || at.y < 0 || at.z < 0 || at.x >= size_.x || at.y >= size_.y || at.z >= size_.z) return false;
-    const StateBlock* block = blocks_[static_cast<std::size_t>(at.x + size_.x * (at.y + size_.y * at.z))];
+    const std::ptrdiff_t row = at.y + std::ptrdiff_t{size_.y} * at.z;
+    const StateBlock* block = blocks_[static_cast<std::size_t>(at.x + size_.x * row)];
     return block != nullptr && block->get(geometry::offset_in_block(voxel)) == VoxelState::kOccupied;
   }
 

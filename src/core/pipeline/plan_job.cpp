@@ -61,7 +61,8 @@ SafeLength way_out(const PlanningManagerConfig& config, const planning::Occupanc
                    const std::vector<Vec3>& line) {
   SafeLength out{0.0, room_at(view, line.front(), config.min_corridor_radius_m), {}, true};
   const double whole_m = planning::length_of(line);
-  for (double length_m = kWayOutStep_m; length_m < std::min(whole_m, kLongestWayOut_m); length_m += kWayOutStep_m) {
+  for (int step = 1; step * kWayOutStep_m < std::min(whole_m, kLongestWayOut_m); ++step) {
+    const double length_m = step * kWayOutStep_m;
     const std::vector<Vec3> part = planning::cut_at_length(line, length_m);
     out.corridor = check_corridor(view, part, out.radius_m);
     if (!out.corridor.is_safe) return out;

@@ -37,21 +37,21 @@ Eigen::Matrix3d attitude_of(const Vec3& acceleration, double heading_rad) {
 
 Uav::Uav(const UavSetup& setup, std::uint64_t seed, SensedWorld sensed_world)
     : config_(voxnav::base::checked(setup.uav)),
-      refusals_(setup.faults.refusals),
       avoidance_(setup.faults.avoidance),
       sensed_world_(completed(std::move(sensed_world))),
       drift_(setup.drift, seed),
       imu_model_(setup.imu, seed),
       random_(seed, 0x72616e676500),
       tracker_(setup.limits),
-      is_free_(setup.faults.tracking.is_enabled || setup.faults.wind.is_enabled),
       response_(setup.faults.tracking, !setup.faults.tracking.is_enabled),
       wind_(setup.faults.wind, seed),
       noise_(setup.faults.state_noise, seed),
       climb_(setup.faults.avoidance, seed),
       bumper_(setup.faults.bumper),
       resets_(setup.faults.resets, seed),
-      standing_heading_rad_(config_.start_heading_rad) {
+      standing_heading_rad_(config_.start_heading_rad),
+      refusals_(setup.faults.refusals),
+      is_free_(setup.faults.tracking.is_enabled || setup.faults.wind.is_enabled) {
   const double ground_m = sensed_world_.ground_height(config_.start_m[0], config_.start_m[1]).value_or(0.0);
   standing_W_ = Vec3(config_.start_m[0], config_.start_m[1], ground_m + config_.standing_height_m);
   stand();
