@@ -53,6 +53,38 @@ def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(times, f
     assert summary["path_length_m"] == pytest.approx(np.linalg.norm(end - begin), abs=0.5)
 
 
+def map_with_nodes(data, out):
+    """Runs demo_real with poses from LiDAR odometry; returns what it printed and its summary."""
+    command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", data, "--out", out, "--no-rviz"]
+    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                         timeout=300)
+    with open(os.path.join(out, "summary.json")) as source:
+        return run, json.load(source)
+
+
+def test_a_folder_of_scans_is_mapped_although_nothing_tells_where_down_is(tmp_path):
+    scans = sweeps(np.eye(4), 12)[1]
+    os.makedirs(str(tmp_path / "scans"))
+    for i, scan in enumerate(scans):
+        cloud = scan.organised.reshape(-1, 4)
+        rows = cloud[np.isfinite(cloud).all(axis=1) & (np.linalg.norm(cloud[:, :3], axis=1) > 0.5)]
+        rows.astype("<f4").tofile(str(tmp_path / "scans" / ("%06d.bin" % i)))
+    run, summary = map_with_nodes(str(tmp_path), str(tmp_path / "out"))
+    assert run.returncode == 0 and summary["reason"] == "12 of 12 scans", run.stdout
+    assert summary["stages"]["lidar_odometry/odometry"]["count"] == 12
+
+
+def test_a_recording_whose_imu_begins_late_is_mapped_once_its_map_is_level(tmp_path):
+    scans = sweeps(MOUNT, 45)[1]  # 4.5 s: LiDAR odometry publishes poses after 3 s at the latest
+    messages = flight(scans, MOUNT, with_odometry=False, with_imu=True)
+    bag = str(tmp_path / "late.bag")
+    write_messages(bag, [m for m in messages if m[1] != "/imu" or m[0] > FIRST_STAMP_S + 1.0])
+    run, summary = map_with_nodes(bag, str(tmp_path / "out"))
+    assert run.returncode == 0 and summary["reason"] == "45 of 45 scans", run.stdout
+    assert summary["stages"]["lidar_odometry/odometry"]["count"] == 45
+    assert 10 <= summary["stages"]["local_mapper/handover"]["count"] < 45, "the first ones have no poses"
+
+
 def test_the_mount_is_handed_to_the_launch_file_as_position_and_quaternion():
     values = [float(word) for word in mount_argument(simulation.pose(1.0, 2.0, 3.0, np.pi)).split()]
     assert values == pytest.approx([1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.0], abs=1e-6)

@@ -35,13 +35,16 @@ class DataPlayer:
     """Publishes clouds, IMU and, if the recording has them, poses of a dataset below the UAV's namespace.
 
     wait_for: {node: number of clouds it may lag behind}; each cloud waits for their Progress.
+    wait_once_located: as wait_for, for nodes that need poses. No cloud waits for them before is_located() tells that
+    poses come: LiDAR odometry publishes none before it knows where up is.
     first_stamp_s: a recording that begins earlier is moved to begin at this time, because tf takes a zero stamp for
     "newest"; other recordings keep their stamps.
     """
 
-    def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, T_B_L=None, first_stamp_s=10.0,
-                 timeout_s=30.0):
-        self._dataset, self._wait_for, self._timeout_s = dataset, dict(wait_for), timeout_s
+    def __init__(self, dataset, origin_frame, body_frame, sensor_frame, wait_for, wait_once_located, is_located,
+                 T_B_L=None, first_stamp_s=10.0, timeout_s=30.0):
+        self._dataset, self._timeout_s = dataset, timeout_s
+        self._wait_for, self._wait_once_located, self._is_located = wait_for, wait_once_located, is_located
         self._origin_frame, self._body_frame, self._sensor_frame = origin_frame, body_frame, sensor_frame
         self._T_L_B = np.eye(4) if T_B_L is None else np.linalg.inv(T_B_L)
         self._first_stamp_ns, self._offset_ns = int(1e9 * first_stamp_s), None
@@ -51,7 +54,8 @@ class DataPlayer:
         self._changed = threading.Condition()
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._cloud = rospy.Publisher("os_cloud_nodelet/points", PointCloud2, queue_size=2)
-        self._imu = rospy.Publisher("os_cloud_nodelet/imu", ImuMsg, queue_size=500)
+        # Nodes wait for an IMU that somebody offers, and so would the player for the nodes.
+        self._imu = rospy.Publisher("os_cloud_nodelet/imu", ImuMsg, queue_size=500) if dataset.has_imu else None
         self._odometry = rospy.Publisher("estimation_manager/odom_main", OdometryMsg, queue_size=500)
         self._tf = tf2_ros.TransformBroadcaster()
         rospy.Subscriber("progress", Progress, self._on_progress, queue_size=200)
@@ -73,11 +77,10 @@ class DataPlayer:
 
     def _is_heard(self):
         subscribers = dict(rosgraph.Master(rospy.get_name()).getSystemState()[1])
-        wanted = {topic.resolved_name: len(subscribers.get(topic.resolved_name, ()))
-                  for topic in (self._cloud, self._imu, self._odometry)}
+        topics = [topic for topic in (self._cloud, self._imu, self._odometry) if topic is not None]
+        wanted = {topic.resolved_name: len(subscribers.get(topic.resolved_name, ())) for topic in topics}
         return wanted[self._cloud.resolved_name] > 0 and all(
-            topic.get_num_connections() >= wanted[topic.resolved_name]
-            for topic in (self._cloud, self._imu, self._odometry))
+            topic.get_num_connections() >= wanted[topic.resolved_name] for topic in topics)
 
     def play(self):
         """Plays the recording, yields the number of scans played, and waits until the nodes have processed it.
@@ -88,7 +91,9 @@ class DataPlayer:
         for count, record in enumerate(self._scans(), 1):
             self._play_scan(record)
             yield count
-        self._wait_for, self._timeout_s = dict.fromkeys(self._wait_for, 0), LAST_SCAN_LIMIT_S
+        self._wait_for = dict.fromkeys(self._wait_for, 0)
+        self._wait_once_located = dict.fromkeys(self._wait_once_located, 0)
+        self._timeout_s = LAST_SCAN_LIMIT_S
         try:
             self._await()
         except PlayerError as error:  # the recording may end before the poses of its last scan
@@ -177,7 +182,8 @@ class DataPlayer:
                                                 transform=transform_to_msg(np.linalg.inv(pose_from_msg(pose)))))
 
     def _await(self):
-        wanted = {node: self._stamps[-1 - lag] for node, lag in self._wait_for.items() if len(self._stamps) > lag}
+        lags = dict(self._wait_for, **(self._wait_once_located if self._is_located() else {}))
+        wanted = {node: self._stamps[-1 - lag] for node, lag in lags.items() if len(self._stamps) > lag}
         deadline = time.monotonic() + self._timeout_s
         with self._changed:
             while True:

@@ -27,20 +27,21 @@ def run(record, dataset, has_poses, T_B_L, reference, on_scan, map_dir, uav="uav
     nodes = MAPPING_NODES if has_poses else MAPPING_NODES + ("lidar_odometry",)
     # With times of their own, points wait for IMU samples up to the end of their sweep and for the pose there. Those
     # come with the next cloud, and with LiDAR odometry one cloud later.
-    lags = {"cloud_filter": 0, "local_mapper": 1} if has_poses else {
-        "cloud_filter": 0, "lidar_odometry": 1, "local_mapper": 2}
+    lags = {"cloud_filter": 0} if has_poses else {"cloud_filter": 0, "lidar_odometry": 1}
+    mapper_lag = 1 if has_poses else 2
     recorder, player, played = None, None, 0
     try:
         wait_for_master(os.environ["ROS_MASTER_URI"], 30.0)
         rospy.init_node("demo_real", disable_signals=True)
         topic = "estimation_manager/odom_main" if has_poses else "lidar_odometry/odom"
         recorder = FlightRecorder(record, nodes, topic)
-        player = DataPlayer(dataset, uav + "/slam_origin", uav + "/fcu", uav + "/os_sensor", lags, T_B_L)
+        player = DataPlayer(dataset, uav + "/slam_origin", uav + "/fcu", uav + "/os_sensor", lags,
+                            {"local_mapper": mapper_lag}, lambda: len(record.odometry[0]) > 0, T_B_L)
         recorder.wait_for_nodes(NODES_LIMIT_S)
         for played in player.play():
             on_scan(played)
         player.keep_time()
-        _close(recorder, record, player.last_stamps_s, lags["local_mapper"])
+        _close(recorder, record, player.last_stamps_s, mapper_lag)
         record.reached = True
     except (MissionError, PlayerError, ValueError, rospy.ROSException, rospy.ServiceException) as error:
         record.reason = "%s, after %d of %d scans" % (error, played, dataset.num_scans)
