@@ -10,7 +10,7 @@ else()
 endif()
 
 # A test that hangs is stopped after this time.
-set(VOXNAV_TEST_TIMEOUT_S 600)
+set(VOXNAV_TEST_TIMEOUT_S 1500)
 
 # voxnav_register_test(kind name label command target...) registers a test, whose command writes its JUnit results to
 # ${CATKIN_TEST_RESULTS_DIR}/voxnav/<kind>-<name>.xml and needs the targets.
