@@ -102,6 +102,21 @@ TEST(PathPlanner, AnUnknownGoalBelowTheGroundIsNamed) {
   EXPECT_EQ(plan(grid, optimistic(), start, {32.5, 32.5, 17.5}).status, PlanStatus::kGoalBelowGround);
 }
 
+TEST(PathPlanner, AQuickPathKeepsItsBoundOrIsLeftToTheThoroughSearch) {
+  // A wall with one gap high up: changes of height cost nothing to the search that makes the bound.
+  const auto grid = test::box_grid({0, 0, 0}, {63, 31, 47});
+  test::fill(grid.get(), {30, 0, 0}, {31, 31, 34}, VoxelState::kOccupied);
+  PathPlannerConfig config;
+  const Vec3 start(5.5, 15.5, 5.5), goal(58.5, 15.5, 5.5);
+  const auto thorough = plan(grid, config, start, goal);
+  config.quick = true;
+  config.suboptimality_bound = 1.2;
+  const auto quick = plan(grid, config, start, goal);
+  ASSERT_EQ(quick.status, PlanStatus::kComplete);
+  EXPECT_LE(quick.cost_m, 1.2 * thorough.cost_m + 1e-9);
+  EXPECT_TRUE(std::isfinite(quick.cost_m));
+}
+
 TEST(PathPlanner, LimitsEndTheSearchAndLeaveAPartialPath) {
   const auto grid = test::box_grid({0, 0, 0}, {127, 127, 31});
   test::fill(grid.get(), {60, 30, 0}, {60, 90, 31}, VoxelState::kOccupied);
@@ -112,4 +127,9 @@ TEST(PathPlanner, LimitsEndTheSearchAndLeaveAPartialPath) {
   EXPECT_TRUE(result.is_partial);
   ASSERT_FALSE(result.path.empty());
   EXPECT_GT(result.path.back().x(), 30.0);
+  config.quick = true;
+  const auto quick = plan(grid, config, {5.5, 60.5, 10.5}, {120.5, 60.5, 10.5});
+  EXPECT_EQ(quick.status, PlanStatus::kPartialLimit);
+  ASSERT_FALSE(quick.path.empty()) << "what the quick search spent must not end the thorough one";
+  EXPECT_EQ(quick.path.back(), result.path.back());
 }

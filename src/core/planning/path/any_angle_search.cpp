@@ -32,16 +32,14 @@ std::vector<Vec3> AnyAngleSearch::run(Number start, Number goal, const Vec3& goa
   push(goal);
   while (!open_.empty()) {
     if (budget->expansions_left == 0 || memory_bytes() + graph_.memory_bytes() > budget->max_bytes) return {};
-    std::pop_heap(open_.begin(), open_.end(), ComesLater());
-    const Entry top = open_.back();
-    open_.pop_back();
-    if (place(top.number).is_closed || top.cost != place(top.number).cost) continue;
-    if (!check_sight(top.number)) continue;
-    place(top.number).is_closed = true;
+    const auto top = open_.pop();
+    if (place(top.place).is_closed || top.cost != place(top.place).cost) continue;
+    if (!check_sight(top.place)) continue;
+    place(top.place).is_closed = true;
     --budget->expansions_left;
     ++expansions_;
-    if (top.number == start) return trace();
-    expand(top.number);
+    if (top.place == start) return trace();
+    expand(top.place);
   }
   return {};
 }
@@ -54,8 +52,7 @@ double AnyAngleSearch::heuristic(Number number, const Vec3& position) const {
 
 void AnyAngleSearch::push(Number number) {
   const Place& p = place(number);
-  open_.push_back({p.cost + heuristic(number, p.position), p.cost, number});
-  std::push_heap(open_.begin(), open_.end(), ComesLater());
+  open_.push(p.cost + heuristic(number, p.position), p.cost, number);
 }
 
 /// Checks the line of sight to the parent; returns false if that made the run dearer, which is in the open list then.

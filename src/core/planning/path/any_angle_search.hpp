@@ -21,7 +21,7 @@ class AnyAngleSearch {
   std::vector<geometry::Vec3> run(RunGraph::Number start, RunGraph::Number goal, const geometry::Vec3& goal_point,
                                   WorkBudget* budget);
   std::uint64_t expansions() const { return expansions_; }
-  std::size_t memory_bytes() const { return places_.capacity() * sizeof(Place) + open_.capacity() * sizeof(Entry); }
+  std::size_t memory_bytes() const { return places_.capacity() * sizeof(Place) + open_.memory_bytes(); }
 
  private:
   using Number = RunGraph::Number;
@@ -31,17 +31,6 @@ class AnyAngleSearch {
     Number parent = RunGraph::kNone;
     bool is_seen = false;  ///< the line of sight to the parent has been checked
     bool is_closed = false;
-  };
-  struct Entry {
-    double f;
-    double cost;
-    Number number;
-  };
-  struct ComesLater {
-    bool operator()(const Entry& a, const Entry& b) const {
-      if (a.f != b.f) return a.f > b.f;
-      return a.cost != b.cost ? a.cost < b.cost : a.number > b.number;
-    }
   };
 
   Place& place(Number number) {
@@ -66,7 +55,7 @@ class AnyAngleSearch {
   geometry::Vec3 start_;
   Number start_run_ = RunGraph::kNone;
   std::vector<Place> places_;
-  std::vector<Entry> open_;
+  OpenList<double, RunGraph::Number> open_;
   std::uint64_t expansions_ = 0;
 };
 

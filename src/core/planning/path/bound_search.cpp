@@ -16,16 +16,14 @@ BoundSearch::End BoundSearch::run(Number start, WorkBudget* budget) {
   relax(start, 0);
   while (!open_.empty()) {
     if (budget->expansions_left == 0 || memory_bytes() + graph_.memory_bytes() > budget->max_bytes) return End::kLimit;
-    std::pop_heap(open_.begin(), open_.end(), ComesLater());
-    const Entry top = open_.back();
-    open_.pop_back();
-    if (reached(top.number).is_closed) continue;
-    reached(top.number).is_closed = true;
+    const auto top = open_.pop();
+    if (reached(top.place).is_closed) continue;
+    reached(top.place).is_closed = true;
     --budget->expansions_left;
     ++expansions_;
     last_f_ = top.f;
-    if (top.number == goal_) return End::kGoal;
-    expand(top.number, top.cost);
+    if (top.place == goal_) return End::kGoal;
+    expand(top.place, top.cost);
   }
   return graph_.has_refused() ? End::kLimit : End::kExhausted;
 }
@@ -61,8 +59,7 @@ void BoundSearch::relax(Number to, std::uint64_t cost) {
   // With a weight of 1 the sum stays exact: a double could not hold the costs of the longest paths.
   const std::uint64_t weighted =
       weight_ == 1.0 ? rest : static_cast<std::uint64_t>(weight_ * static_cast<double>(rest));
-  open_.push_back({cost + weighted, cost, to});
-  std::push_heap(open_.begin(), open_.end(), ComesLater());
+  open_.push(cost + weighted, cost, to);
 }
 
 double BoundSearch::goal_cost() const { return static_cast<double>(reached_[goal_].cost) / static_cast<double>(kUnit); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "planning/path/open_list.hpp"
 #include "planning/path/run_graph.hpp"
 
 namespace voxnav::planning {
@@ -40,23 +41,12 @@ class BoundSearch {
   /// Among the expanded runs, the one nearest to a point.
   RunGraph::Number nearest_to(const geometry::Vec3& point) const;
   std::uint64_t expansions() const { return expansions_; }
-  std::size_t memory_bytes() const { return reached_.capacity() * sizeof(Reached) + open_.capacity() * sizeof(Entry); }
+  std::size_t memory_bytes() const { return reached_.capacity() * sizeof(Reached) + open_.memory_bytes(); }
 
  private:
   struct Reached {
     std::uint64_t cost = ~std::uint64_t{0};
     bool is_closed = false;
-  };
-  struct Entry {
-    std::uint64_t f;
-    std::uint64_t cost;
-    RunGraph::Number number;
-  };
-  struct ComesLater {
-    bool operator()(const Entry& a, const Entry& b) const {
-      if (a.f != b.f) return a.f > b.f;
-      return a.cost != b.cost ? a.cost < b.cost : a.number > b.number;
-    }
   };
 
   std::uint64_t heuristic(RunGraph::Number number) const;
@@ -71,7 +61,7 @@ class BoundSearch {
   RunGraph::Number goal_;
   double weight_;
   std::vector<Reached> reached_;
-  std::vector<Entry> open_;
+  OpenList<std::uint64_t, RunGraph::Number> open_;
   std::uint64_t expansions_ = 0;
   std::uint64_t last_f_ = 0;  ///< no run that was not expanded has a lower sum of cost and heuristic
 };

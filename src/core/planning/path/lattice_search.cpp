@@ -33,9 +33,7 @@ std::vector<Vec3> LatticeSearch::run(const Index3& start, const Index3& goal, Wo
   push(begin);
   while (!open_.empty()) {
     if (budget->expansions_left == 0 || memory_bytes() + graph_.memory_bytes() > budget->max_bytes) return {};
-    std::pop_heap(open_.begin(), open_.end(), ComesLater());
-    const Place top = open_.back().place;
-    open_.pop_back();
+    const Place top = open_.pop().place;
     if (cell(top).is_closed) continue;
     cell(top).is_closed = true;
     --budget->expansions_left;
@@ -64,8 +62,7 @@ double LatticeSearch::heuristic(const Place& place) const {
 
 void LatticeSearch::push(const Place& place) {
   const double cost = cell(place).cost;
-  open_.push_back({cost + weight_ * heuristic(place), cost, place});
-  std::push_heap(open_.begin(), open_.end(), ComesLater());
+  open_.push(cost + weight_ * heuristic(place), cost, place);
 }
 
 void LatticeSearch::expand(const Place& from) {

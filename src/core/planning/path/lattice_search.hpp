@@ -22,8 +22,7 @@ class LatticeSearch {
   std::vector<geometry::Vec3> run(const geometry::Index3& start, const geometry::Index3& goal, WorkBudget* budget);
   std::uint64_t expansions() const { return expansions_; }
   std::size_t memory_bytes() const {
-    return cells_.capacity() * sizeof(Cell) + first_cell_.capacity() * sizeof(std::uint32_t) +
-           open_.capacity() * sizeof(Entry);
+    return cells_.capacity() * sizeof(Cell) + first_cell_.capacity() * sizeof(std::uint32_t) + open_.memory_bytes();
   }
 
  private:
@@ -37,17 +36,8 @@ class LatticeSearch {
   struct Place {
     Number number;
     std::int32_t z;
-  };
-  struct Entry {
-    double f;
-    double cost;
-    Place place;
-  };
-  struct ComesLater {
-    bool operator()(const Entry& a, const Entry& b) const {
-      if (a.f != b.f) return a.f > b.f;
-      if (a.cost != b.cost) return a.cost < b.cost;
-      return a.place.number != b.place.number ? a.place.number > b.place.number : a.place.z > b.place.z;
+    friend bool operator<(const Place& a, const Place& b) {
+      return a.number != b.number ? a.number < b.number : a.z < b.z;
     }
   };
 
@@ -63,7 +53,7 @@ class LatticeSearch {
   geometry::Index3 start_;
   std::vector<std::uint32_t> first_cell_;  ///< place of a run's lowest cell in cells_, kNone before it is touched
   std::vector<Cell> cells_;
-  std::vector<Entry> open_;
+  OpenList<double, Place> open_;
   std::uint64_t expansions_ = 0;
 };
 

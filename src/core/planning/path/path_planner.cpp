@@ -59,6 +59,8 @@ class PathSearch {
 
   void search() {
     if (config_.quick && ends_.status == PlanStatus::kComplete && search_quickly()) return finish();
+    // What a quick search has spent in vain must not end the thorough one.
+    budget_.expansions_left = static_cast<std::uint64_t>(config_.max_expansions);
     BoundSearch bounds(&graph_, ends_.goal_run);
     const BoundSearch::End end = bounds.run(ends_.start_run, &budget_);
     result_.expansions += bounds.expansions();

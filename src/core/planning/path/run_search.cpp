@@ -29,12 +29,10 @@ std::vector<Vec3> RunSearch::run(const End& start, const End& goal, WorkBudget* 
   goal_ = goal.point;
   place(start.run).height = start.point.z();
   place(start.run).cost = 0.0;
-  open_.push_back({0.0, 0.0, start.run});
+  open_.push(0.0, 0.0, start.run);
   while (!open_.empty()) {
     if (budget->expansions_left == 0 || memory_bytes() + graph_.memory_bytes() > budget->max_bytes) return {};
-    std::pop_heap(open_.begin(), open_.end(), ComesLater());
-    const Number top = open_.back().number;
-    open_.pop_back();
+    const Number top = open_.pop().place;
     if (place(top).is_closed) continue;
     place(top).is_closed = true;
     --budget->expansions_left;
@@ -82,8 +80,7 @@ void RunSearch::relax(Number from, Number to, double height, double length) {
   const RunGraph::Node& node = graph_.node(to);
   const double dx = std::abs(node.x + 0.5 - goal_.x()), dy = std::abs(node.y + 0.5 - goal_.y());
   const double flat = std::max(dx, dy) + (std::sqrt(2.0) - 1.0) * std::min(dx, dy);
-  open_.push_back({cost + weight_ * std::hypot(flat, height - goal_.z()), cost, to});
-  std::push_heap(open_.begin(), open_.end(), ComesLater());
+  open_.push(cost + weight_ * std::hypot(flat, height - goal_.z()), cost, to);
 }
 
 Vec3 RunSearch::position(Number number) {

@@ -23,7 +23,7 @@ class RunSearch {
   ///         limits of the budget or the runs are exhausted
   std::vector<geometry::Vec3> run(const End& start, const End& goal, WorkBudget* budget);
   std::uint64_t expansions() const { return expansions_; }
-  std::size_t memory_bytes() const { return places_.capacity() * sizeof(Place) + open_.capacity() * sizeof(Entry); }
+  std::size_t memory_bytes() const { return places_.capacity() * sizeof(Place) + open_.memory_bytes(); }
 
  private:
   using Number = RunGraph::Number;
@@ -32,17 +32,6 @@ class RunSearch {
     double cost = std::numeric_limits<double>::infinity();
     Number parent = RunGraph::kNone;
     bool is_closed = false;
-  };
-  struct Entry {
-    double f;
-    double cost;
-    Number number;
-  };
-  struct ComesLater {
-    bool operator()(const Entry& a, const Entry& b) const {
-      if (a.f != b.f) return a.f > b.f;
-      return a.cost != b.cost ? a.cost < b.cost : a.number > b.number;
-    }
   };
 
   Place& place(Number number) {
@@ -59,7 +48,7 @@ class RunSearch {
   double weight_;
   geometry::Vec3 goal_;
   std::vector<Place> places_;
-  std::vector<Entry> open_;
+  OpenList<double, RunGraph::Number> open_;
   std::uint64_t expansions_ = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace voxnav::planning {
 
@@ -41,7 +42,8 @@ std::vector<Vec3> PathShortening::run(const std::vector<Vec3>& sights) {
 double PathShortening::cost_of(const std::vector<Vec3>& path) {
   double out = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    out += sight_cost(&graph_, path[i - 1], path[i], SightRule::kExactlyClear).value_or(0.0);
+    out += sight_cost(&graph_, path[i - 1], path[i], SightRule::kExactlyClear)
+               .value_or(std::numeric_limits<double>::infinity());
   }
   return out;
 }

@@ -16,7 +16,7 @@ class PathShortening {
       : graph_(*graph), clearance_(*clearance), max_checks_(max_checks) {}
 
   std::vector<geometry::Vec3> run(const std::vector<geometry::Vec3>& sights);
-  /// Cost of a whole path [voxel edges at unit cost].
+  /// Cost of a whole path [voxel edges at unit cost]; infinite if it touches cells that have none.
   double cost_of(const std::vector<geometry::Vec3>& path);
 
  private:
