@@ -53,3 +53,41 @@ def test_steep_goals_are_approached_beside_the_blind_cones(goal):
 def test_without_known_distance_a_steep_goal_leads_into_the_unknown_cone():
     outcomes = [plan(np.array(vehicle), np.array((0.0, 0.0, 25.0)), known_distance_m=0.0)[1] for vehicle in OFFSETS]
     assert any("unknown" in o.problem for o in outcomes)
+
+
+def beside_a_wall(distance_m, thickness_m=0.8):
+    """Returns the plan of a vehicle this near to a wall of voxels, in space that is known all around."""
+    truth = np.ones((60, 60, 30), dtype=np.int8)
+    first = 30
+    truth[first:first + int(round(thickness_m / RESOLUTION))] = 2
+    nav = voxnav.NavigationMap(voxnav.NavigationMapConfig(min_altitude_m=-20.0))
+    grid = voxnav.StateGrid.from_array(truth, (-12.0, -12.0, -6.0), RESOLUTION)  # the wall begins at x = 0
+    assert nav.apply_local(1, RESOLUTION, **grid.snapshot()) == voxnav.Applied.APPLIED
+    vehicle, goal = np.array((-distance_m, 0.1, 0.1)), np.array((-9.0, 5.0, 0.1))
+    nav.set_vehicle(vehicle)
+    nav.set_T_W_O(np.eye(4))
+    view, config = nav.view(), voxnav.FlightSearchConfig()
+    planner, field = voxnav.PathPlanner(config.planner_config()), voxnav.ClearanceField(config.field_config())
+    field.update(view)
+    return view, voxnav.run_plan_job(planner, field, voxnav.PlanningManagerConfig(), view, vehicle, goal, LIMITS)
+
+
+@pytest.mark.parametrize("distance_m", [0.1, 0.25, 0.4, 0.49])
+def test_a_place_with_less_room_than_the_vehicle_is_left_without_going_nearer(distance_m):
+    view, outcome = beside_a_wall(distance_m)
+    assert outcome.problem == "" and len(outcome.waypoints_O) >= 2
+    assert outcome.corridor_radius_m == pytest.approx(distance_m, abs=2e-3)
+    assert voxnav.check_corridor(view, outcome.waypoints_O, outcome.corridor_radius_m).safe
+    end = outcome.waypoints_O[-1]
+    assert -end[0] >= voxnav.PlanningManagerConfig().min_corridor_radius_m - 1e-3, "the vehicle's own radius fits there"
+    assert not outcome.is_to_goal and outcome.left_m > 5.0, "the rest is planned from there"
+
+
+def test_with_room_for_the_vehicle_the_plan_is_the_usual_one():
+    outcome = beside_a_wall(0.6)[1]
+    assert outcome.problem == "" and outcome.corridor_radius_m == 0.5
+
+
+def test_a_vehicle_inside_an_occupied_voxel_has_no_way_out():
+    outcome = beside_a_wall(-0.2)[1]
+    assert len(outcome.waypoints_O) == 0 and "start" in outcome.problem
