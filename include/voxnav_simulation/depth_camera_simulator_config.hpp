@@ -10,7 +10,7 @@ namespace voxnav_simulation {
 
 /// Parameters of the depth_camera_simulator node besides those of the camera.
 struct DepthCameraSimulatorConfig {
-  std::string world_yaml = "";
+  std::string world_yaml;
   int seed = 1;
   voxnav::cloud::DepthEncoding encoding = voxnav::cloud::DepthEncoding::kMillimetres;
   std::string camera_frame_id = "uav1/depth_optical";

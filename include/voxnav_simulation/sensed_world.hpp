@@ -24,6 +24,6 @@ struct SensedWorld {
 };
 
 /// Returns what is sensed of a scene, which it keeps alive.
-SensedWorld sensed_world_of(std::shared_ptr<const Scene> scene);
+SensedWorld sensed_world_of(const std::shared_ptr<const Scene>& scene);
 
 }  // namespace voxnav_simulation

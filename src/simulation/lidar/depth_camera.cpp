@@ -35,7 +35,7 @@ DepthCameraModel::DepthCameraModel(const DepthCameraConfig& config, std::uint64_
   for (int v = 0; v < config_.height; ++v) {
     for (int u = 0; u < config_.width; ++u) {
       const Vec3 along((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
-      directions_C_.push_back(along.normalized().cast<float>());
+      directions_C_.emplace_back(along.normalized().cast<float>());
     }
   }
 }

@@ -3,7 +3,7 @@
 
 namespace voxnav_simulation {
 
-SensedWorld sensed_world_of(std::shared_ptr<const Scene> scene) {
+SensedWorld sensed_world_of(const std::shared_ptr<const Scene>& scene) {
   SensedWorld out;
   out.ground_height = [scene](double x, double y) { return scene->world().ground_height(x, y); };
   out.clearance = [scene](const Vec3& p_W, double max_m, voxnav::base::StampNs stamp_ns) {

@@ -6,6 +6,8 @@ namespace voxnav_simulation {
 namespace {
 
 constexpr std::int64_t kBumperPeriod_ns = 50'000'000;
+/// Room above the vehicle is looked for in steps of this height.
+constexpr double kRoomStep_m = 0.5;
 
 }  // namespace
 
@@ -31,7 +33,8 @@ void Uav::meet_faults() {
 /// Another UAV only flies where there is room for both: above the vehicle, and above where it will be soon.
 bool Uav::has_room_above() const {
   const Vec3 ahead = truth_.velocity * avoidance_.speed_ratio * avoidance_.duration_s;
-  for (double up_m = 0.5; up_m <= avoidance_.correction_m + 0.5; up_m += 0.5) {
+  for (int step = 1; step * kRoomStep_m <= avoidance_.correction_m + kRoomStep_m; ++step) {
+    const double up_m = step * kRoomStep_m;
     for (const double share : {0.0, 0.5, 1.0}) {
       const Vec3 p = truth_.pose.translation() + share * Vec3(ahead.x(), ahead.y(), 0) + Vec3(0, 0, up_m);
       if (sensed_world_.clearance(p, avoidance_.headroom_m, stamp_ns_) < avoidance_.headroom_m) return false;
