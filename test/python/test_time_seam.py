@@ -3,11 +3,13 @@
 
 import threading
 
+import numpy as np
 import pytest
 
 rospy = pytest.importorskip("rospy")
 pytest.importorskip("voxnav.msg")
 time_seam = pytest.importorskip("voxnav.nodes.time_seam")
+from voxnav.planning_manager import Plan  # noqa: E402
 
 
 class Progress:
@@ -210,3 +212,23 @@ def test_real_time_works_in_threads():
     time_seam.RealTime().executor("worker", work).submit("job")
     assert done.wait(10.0)
     assert where == [("job", "worker")]
+
+
+@pytest.mark.parametrize("error, words", [(ValueError("no map"), "no map"), (MemoryError(), "MemoryError"),
+                                          (KeyError("x"), "'x'")])
+def test_no_failure_of_an_action_ends_the_thread_that_does_it(clocks, error, words):
+    node_module = pytest.importorskip("voxnav.nodes.planning_manager")
+    node, told = object.__new__(node_module.PlanningManagerNode), []
+
+    class Manager:
+        @staticmethod
+        def failed(action, problem, _):
+            told.append((action, problem))
+            return ["again"]
+
+    node._lock, node._manager, node._seam = threading.RLock(), Manager, time_seam.RealTime()
+    node._dispatch = told.append
+    action = Plan(1, np.zeros(3), np.ones(3))
+    with node._failures_answered(action):
+        raise error
+    assert told == [(action, words), ["again"]]

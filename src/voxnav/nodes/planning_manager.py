@@ -3,6 +3,7 @@
 
 import contextlib
 import threading
+import traceback
 
 import numpy as np
 import rospy
@@ -150,13 +151,16 @@ class PlanningManagerNode:
 
     @contextlib.contextmanager
     def _failures_answered(self, action):
-        """Passes a failure of an action to the manager, where it becomes a reason."""
+        """Passes a failure of an action to the manager, where it becomes a reason.
+
+        That holds for any failure: one that ended the thread would end all later searches, or stops, in silence.
+        """
         try:
             yield
-        except (ValueError, RuntimeError, rospy.ROSException) as error:
-            rospy.logerr("[%s]: %s failed: %s", NAME, action.name, error)
+        except Exception as error:
+            rospy.logerr("[%s]: %s failed: %s\n%s", NAME, action.name, error, traceback.format_exc())
             with self._lock:
-                actions = self._manager.failed(action, str(error), self._seam.now().to_sec())
+                actions = self._manager.failed(action, str(error) or type(error).__name__, self._seam.now().to_sec())
             self._dispatch(actions)
 
     def _do_plan(self, action):
