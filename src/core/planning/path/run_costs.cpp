@@ -49,22 +49,34 @@ bool RunCosts::touches_start_range(const geometry::Index3& block) const {
   return (nearest - start_).squaredNorm() < std::pow(config_.optimistic_range_m, 2);
 }
 
-std::uint16_t RunCosts::enterable(const ClearanceBlock* block, const geometry::Index3& lowest) const {
-  const int column = column_at(lowest.x & (kSide - 1), lowest.y & (kSide - 1));
-  if (config_.unknown_policy == UnknownPolicy::kForbid) return block != nullptr ? block->flyable[column] : 0;
+void RunCosts::find_tower(int x, int y, std::vector<TowerBlock>* tower) const {
+  tower->clear();
+  const VoxelBox& bounds = field_.bounds();
+  for (int z = bounds.low.z & ~(kSide - 1); z <= bounds.high.z; z += kSide) {
+    const geometry::Index3 voxel{x, y, z};
+    const ClearanceBlock* block = field_.block_of(voxel);
+    const bool is_near = has_start_rules_ && touches_start_range(geometry::block_of(voxel));
+    const bool is_uniform = block != nullptr && !is_near && (extra_.empty() || block->to_occupied == nullptr);
+    tower->push_back({block, z, is_near, is_uniform});
+  }
+}
+
+std::uint16_t RunCosts::enterable(const TowerBlock& in, int x, int y) const {
+  const int column = column_at(x & (kSide - 1), y & (kSide - 1));
+  if (config_.unknown_policy == UnknownPolicy::kForbid) return in.block != nullptr ? in.block->flyable[column] : 0;
   std::uint32_t out = 0;
-  if (block != nullptr) {
-    out = block->passable[column];
+  if (in.block != nullptr) {
+    out = in.block->passable[column];
   } else {
-    const VoxelBox inside = part_in(field_.bounds(), geometry::block_of(lowest));
-    const geometry::Index3 v = geometry::Index3{lowest.x & (kSide - 1), lowest.y & (kSide - 1), inside.low.z};
+    const VoxelBox inside = part_in(field_.bounds(), geometry::block_of({x, y, in.lowest_z}));
+    const geometry::Index3 v{x & (kSide - 1), y & (kSide - 1), inside.low.z};
     if (inside.contains(v)) out = ((2u << inside.high.z) - 1u) & ~((1u << inside.low.z) - 1u);
   }
-  if (!has_start_rules_ || !touches_start_range(geometry::block_of(lowest))) return static_cast<std::uint16_t>(out);
-  const std::uint32_t unknown = block != nullptr ? block->unknown[column] : kWholeColumn;
+  if (!in.touches_start_range) return static_cast<std::uint16_t>(out);
+  const std::uint32_t unknown = in.block != nullptr ? in.block->unknown[column] : kWholeColumn;
   for (std::uint32_t bits = out & unknown; bits != 0; bits &= bits - 1) {
     const int z = __builtin_ctz(bits);
-    if (is_near_start({lowest.x, lowest.y, lowest.z + z})) out &= ~(1u << z);
+    if (is_near_start({x, y, in.lowest_z + z})) out &= ~(1u << z);
   }
   return static_cast<std::uint16_t>(out);
 }

@@ -16,19 +16,26 @@ struct CellRun {
   CellCost cost;  ///< never 0
 };
 
+/// A block of a tower of blocks, with what holds for all of its columns.
+struct TowerBlock {
+  const ClearanceBlock* block;  ///< null where the field has none
+  int lowest_z;
+  bool touches_start_range;
+  bool is_uniform;  ///< all of its known voxels cost the same
+};
+
 /// Costs of cells by the distances of a field, as CellCosts has them by the states of voxels.
 class RunCosts {
  public:
   /// @throws std::invalid_argument if the field keeps too small a radius
   RunCosts(const ClearanceField& field, const PathPlannerConfig& config, const geometry::Vec3& start);
 
-  /// Calls fn(run) for the runs of column (x, y) in blocks of the heights of the bounds, lowest first. `tower` holds
-  /// the blocks of that column from `lowest_block` on, null where the field has none.
+  /// Fills in the blocks of the heights of the bounds that hold column (x, y), lowest first.
+  void find_tower(int x, int y, std::vector<TowerBlock>* tower) const;
+  /// Calls fn(run) for the runs of column (x, y) in its tower, lowest first.
   template <class Fn>
-  void for_each_run_of(const std::vector<const ClearanceBlock*>& tower, int x, int y, Fn fn) const;
+  void for_each_run_of(const std::vector<TowerBlock>& tower, int x, int y, Fn fn) const;
 
-  int lowest_block() const { return field_.bounds().low.z >> geometry::kBlockShift; }
-  int highest_block() const { return field_.bounds().high.z >> geometry::kBlockShift; }
   const ClearanceField::Impl& field() const { return field_; }
   /// Cost of a cell that may not be entered only because its centre is nearer than the safety distance: a path may lead
   /// through the rest of it. 0 for all other cells.
@@ -37,7 +44,7 @@ class RunCosts {
 
  private:
   CellCost cost_of(const ClearanceBlock* block, const geometry::Index3& voxel) const;
-  std::uint16_t enterable(const ClearanceBlock* block, const geometry::Index3& lowest) const;
+  std::uint16_t enterable(const TowerBlock& in, int x, int y) const;
   bool is_near_start(const geometry::Index3& voxel) const;
   bool touches_start_range(const geometry::Index3& block) const;
 
@@ -53,8 +60,8 @@ class RunCosts {
 };
 
 template <class Fn>
-void RunCosts::for_each_run_of(const std::vector<const ClearanceBlock*>& tower, int x, int y, Fn fn) const {
-  constexpr int kSide = geometry::kBlockSide;
+void RunCosts::for_each_run_of(const std::vector<TowerBlock>& tower, int x, int y, Fn fn) const {
+  constexpr int kMask = geometry::kBlockSide - 1;
   CellRun run{0, -1, 0};
   const auto add = [&](int low, int high, CellCost cost) {
     if (run.cost == cost && run.high + 1 == low) {
@@ -64,20 +71,13 @@ void RunCosts::for_each_run_of(const std::vector<const ClearanceBlock*>& tower, 
     if (run.cost != 0) fn(run);
     run = {low, high, cost};
   };
-  for (std::size_t i = 0; i < tower.size(); ++i) {
-    const ClearanceBlock* block = tower[i];
-    const geometry::Index3 lowest{x, y, (lowest_block() + static_cast<int>(i)) * kSide};
-    const std::uint16_t bits = enterable(block, lowest);
+  for (const TowerBlock& in : tower) {
+    const std::uint16_t bits = enterable(in, x, y);
     if (bits == 0) continue;
-    const bool is_plain = block != nullptr && (extra_.empty() || block->to_occupied == nullptr) &&
-                          !(has_start_rules_ && touches_start_range(geometry::block_of(lowest))) &&
-                          (block->unknown[column_at(x & (kSide - 1), y & (kSide - 1))] & bits) == 0;
+    const bool is_plain = in.is_uniform && (in.block->unknown[column_at(x & kMask, y & kMask)] & bits) == 0;
     for_each_run(bits, [&](int low, int high) {
-      if (is_plain) return add(lowest.z + low, lowest.z + high, kUnitCost);
-      for (int z = low; z <= high; ++z) {
-        const geometry::Index3 voxel{x, y, lowest.z + z};
-        add(voxel.z, voxel.z, cost_of(block, voxel));
-      }
+      if (is_plain) return add(in.lowest_z + low, in.lowest_z + high, kUnitCost);
+      for (int z = in.lowest_z + low; z <= in.lowest_z + high; ++z) add(z, z, cost_of(in.block, {x, y, z}));
     });
   }
   if (run.cost != 0) fn(run);

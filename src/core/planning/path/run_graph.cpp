@@ -22,39 +22,36 @@ std::size_t RunGraph::memory_bytes() const {
   return nodes_.capacity() * sizeof(Node) + towers_.size() * (sizeof(Tower) + 64);
 }
 
-const RunGraph::Tower* RunGraph::tower(int x, int y) {
-  const geometry::Index3 place{x, y, 0};
-  if (place == last_place_) return last_;
-  last_place_ = place;
-  const auto found = by_place_.find(place);
-  if (found != by_place_.end()) return last_ = found->second;
+const RunGraph::Tower* RunGraph::find_tower(int x, int y) {
+  const auto found = by_place_.find({x, y, 0});
+  if (found != by_place_.end()) return found->second;
   const VoxelBox& bounds = costs_.field().bounds();
   constexpr int kShift = geometry::kBlockShift;
   if (x < bounds.low.x >> kShift || x > bounds.high.x >> kShift || y < bounds.low.y >> kShift ||
       y > bounds.high.y >> kShift) {
-    return last_ = nullptr;
+    return nullptr;
   }
   if (memory_bytes() > max_bytes_) {
     has_refused_ = true;
-    return last_ = nullptr;
+    return nullptr;
   }
-  blocks_.clear();
-  for (int z = costs_.lowest_block(); z <= costs_.highest_block(); ++z) {
-    blocks_.push_back(costs_.field().block_of({x << kShift, y << kShift, z << kShift}));
-  }
-  auto made = std::make_unique<Tower>();
+  return make_tower(x << kShift, y << kShift);
+}
+
+const RunGraph::Tower* RunGraph::make_tower(int x, int y) {
+  costs_.find_tower(x, y, &blocks_);
+  towers_.push_back(std::make_unique<Tower>());
+  Tower& made = *towers_.back();
   for (int i = 0; i < kColumns; ++i) {
-    made->first[i] = static_cast<Number>(nodes_.size());
-    const int column_x = (x << kShift) + i % geometry::kBlockSide, column_y = (y << kShift) + i / geometry::kBlockSide;
+    made.first[i] = static_cast<Number>(nodes_.size());
+    const int column_x = x + i % geometry::kBlockSide, column_y = y + i / geometry::kBlockSide;
     costs_.for_each_run_of(blocks_, column_x, column_y, [&](const CellRun& run) {
       nodes_.push_back({column_x, column_y, run});
     });
   }
-  made->first[kColumns] = static_cast<Number>(nodes_.size());
-  last_ = made.get();
-  by_place_.emplace(place, last_);
-  towers_.push_back(std::move(made));
-  return last_;
+  made.first[kColumns] = static_cast<Number>(nodes_.size());
+  by_place_.emplace(geometry::Index3{x >> geometry::kBlockShift, y >> geometry::kBlockShift, 0}, &made);
+  return &made;
 }
 
 }  // namespace voxnav::planning

@@ -55,7 +55,21 @@ class RunGraph {
     std::array<Number, kColumns + 1> first;
   };
 
-  const Tower* tower(int x, int y);
+  /// A tower that was asked for not long ago. Searches go to and fro between a few that lie side by side.
+  struct Recent {
+    geometry::Index3 place{std::numeric_limits<std::int32_t>::min(), 0, 0};
+    const Tower* tower = nullptr;
+  };
+  static constexpr int kRecentSide = 4;
+
+  const Tower* tower(int x, int y) {
+    Recent& recent = recent_[(x & (kRecentSide - 1)) + kRecentSide * (y & (kRecentSide - 1))];
+    if (recent.place.x != x || recent.place.y != y) recent = {{x, y, 0}, find_tower(x, y)};
+    return recent.tower;
+  }
+  /// Null outside the bounds, and beyond the allowed memory.
+  const Tower* find_tower(int x, int y);
+  const Tower* make_tower(int x, int y);
   bool opens_within(const Column& column, int low, int high) const {
     for (Number n = column.first; n < column.end; ++n) {
       if (nodes_[n].run.low <= high && nodes_[n].run.high >= low) return true;
@@ -69,9 +83,8 @@ class RunGraph {
   std::vector<Node> nodes_;
   std::vector<std::unique_ptr<Tower>> towers_;
   std::unordered_map<geometry::Index3, const Tower*, geometry::Index3Hash> by_place_;
-  std::vector<const ClearanceBlock*> blocks_;
-  geometry::Index3 last_place_{std::numeric_limits<std::int32_t>::min(), 0, 0};
-  const Tower* last_ = nullptr;
+  std::vector<TowerBlock> blocks_;
+  std::array<Recent, kRecentSide * kRecentSide> recent_;
 };
 
 template <class Fn>

@@ -14,8 +14,8 @@ using geometry::Vec3;
 constexpr double kPieceLength = 4.0;
 /// Rounding must not turn a segment at exactly the distance into one that is too near.
 constexpr double kTolerance = 1e-7;
-/// Half the diagonal of a voxel.
-const double kHalfDiagonal = std::sqrt(3.0) / 2.0;
+/// Pieces of which the half is no longer than this are not halved again.
+constexpr double kShortestHalf = 0.5;
 
 Vec3 excess(const Vec3& point, const geometry::Aabb& box) { return point - point.cwiseMax(box.min).cwiseMin(box.max); }
 
@@ -81,19 +81,32 @@ bool SegmentClearance::is_piece_known(const Vec3& from, const Vec3& to) const {
   return is_known;
 }
 
+SegmentClearance::Room SegmentClearance::room_at(const geometry::Index3& voxel) const {
+  const geometry::Index3 index = geometry::block_of(voxel);
+  if (!has_last_block_ || index != last_index_) {
+    last_block_ = field_.block_of(voxel);
+    last_index_ = index;
+    has_last_block_ = true;
+  }
+  // Blocks that the field does not hold are far from obstacles.
+  if (last_block_ == nullptr || last_block_->to_occupied == nullptr) return {field_.radius_voxels(), false};
+  const int offset = geometry::offset_in_block(voxel);
+  const int squared = (*last_block_->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
+  const double distance = 0.5 * std::sqrt(static_cast<double>(squared));
+  if (distance < field_.radius_voxels()) return {distance, true};
+  return {field_.radius_voxels(), false};
+}
+
+/// The distance at the middle decides most pieces, since it changes by no more than the way that one goes; what it
+/// leaves open is halved, and compared with the obstacles themselves when it is short.
 bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
   const Vec3 middle = 0.5 * (from + to);
   const geometry::Index3 voxel = geometry::index_of(middle, 1.0);
-  const ClearanceBlock* block = field_.block_of(voxel);
-  const double kept = field_.radius_voxels();
-  double room = kept;
-  if (block != nullptr && block->to_occupied != nullptr) {
-    const int offset = geometry::offset_in_block(voxel);
-    const int squared = (*block->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
-    room = std::min(kept, 0.5 * std::sqrt(static_cast<double>(squared)));
-  }
-  // Blocks that the field does not hold are far from obstacles.
-  if (room - kHalfDiagonal - 0.5 * (to - from).norm() >= distance_) return true;
+  const Room room = room_at(voxel);
+  const double aside = (middle - geometry::center_of(voxel, 1.0)).norm(), half = 0.5 * (to - from).norm();
+  if (room.distance - aside - half >= distance_) return true;
+  if (room.is_exact && room.distance + aside < distance_ - kTolerance) return false;
+  if (half > kShortestHalf) return is_piece_clear(from, middle) && is_piece_clear(middle, to);
   const Vec3 reach = Vec3::Constant(distance_);
   const VoxelBox near{geometry::index_of(from.cwiseMin(to) - reach, 1.0),
                       geometry::index_of(from.cwiseMax(to) + reach, 1.0)};

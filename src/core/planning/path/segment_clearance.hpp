@@ -28,6 +28,13 @@ class SegmentClearance {
   std::uint64_t num_checks() const { return num_checks_; }
 
  private:
+  /// The distance from a voxel's centre to the nearest obstacle, or the least that it may be.
+  struct Room {
+    double distance;
+    bool is_exact;
+  };
+
+  Room room_at(const geometry::Index3& voxel) const;
   bool is_piece_clear(const geometry::Vec3& from, const geometry::Vec3& to) const;
   bool is_piece_known(const geometry::Vec3& from, const geometry::Vec3& to) const;
 
@@ -35,6 +42,10 @@ class SegmentClearance {
   double distance_;
   KnownBall known_;
   mutable std::uint64_t num_checks_ = 0;
+  // Most voxels lie in the block of the one before.
+  mutable bool has_last_block_ = false;
+  mutable geometry::Index3 last_index_{0, 0, 0};
+  mutable const ClearanceBlock* last_block_ = nullptr;
 };
 
 /// Returns whether a segment comes nearer to a box than `distance`. The squared distance is convex and piecewise
