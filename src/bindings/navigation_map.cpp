@@ -55,6 +55,10 @@ void bind_navigation_map(py::module_& m) {
       .def(
           "set_vehicle", [](NavigationMap& map, const py::object& p) { map.set_vehicle(vec3_of(p, "position_O")); },
           py::arg("position_O"))
+      .def(
+          "set_fences",
+          [](NavigationMap& map, const std::shared_ptr<planning::Fences>& fences) { map.set_fences(fences); },
+          py::arg("fences_O").none(true), "Sets the fences of the flight, frame O; None for no fences.")
       .def("clear_local", &NavigationMap::clear_local)
       .def("clear_obstacles", &NavigationMap::clear_obstacles)
       .def("view", &mutable_view, "Snapshot in frame O as an OccupancyView; None until everything is known.");

@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "bind_config.hpp"
+#include "fences.hpp"
 #include "floors.hpp"
 #include "point_lists.hpp"
 #include "views.hpp"
@@ -157,10 +158,14 @@ void bind_corridor(py::module_& m) {
           "Arc length at which the corridor first touches an unsafe voxel [m], or None.")
       .def_property_readonly("unsafe_state", [](const CorridorResult& r) { return static_cast<int>(r.unsafe_state); })
       .def_property_readonly("unsafe_point", [](const CorridorResult& r) { return vec3_array(r.unsafe_point); })
+      .def_readonly("fence", &CorridorResult::fence, "The FenceContact if a fence is what is unsafe, or None.")
+      .def_property_readonly("what_is_unsafe", &what_is_unsafe, "What is unsafe, in a few words for people.")
       .def_readonly("length_m", &CorridorResult::length_m);
   m.def("check_corridor", &corridor, py::arg("view"), py::arg("points"), py::arg("radius_m"),
         py::arg("allow_unknown") = false,
-        "Checks the space that a ball sweeps along an (n, 3) float64 polyline. Only known free space is safe.");
+        "Checks the space that a ball sweeps along an (n, 3) float64 polyline. Only known free space within the fences "
+        "of\n"
+        "the view is safe; with allow_unknown, whatever is neither occupied nor in a zone.");
 }
 
 }  // namespace
@@ -174,6 +179,7 @@ void bind_planning(py::module_& m) {
   bind_plan_status(m);
   bind_words<UnknownPolicy>(m, "UnknownPolicy", "How a search treats unknown cells.");
   bind_plan_result(m);
+  bind_fences(m);
   bind_corridor(m);
   bind_clearance_field(m);
   bind_config<AStarConfig>(m, "AStarConfig", "Costs and limits of a search.");

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bind_config.hpp"
+#include "configs/fences_config.hpp"
 #include "configs/flight_search_config.hpp"
 #include "configs/planning_node_config.hpp"
 #include "configs/work_time_config.hpp"
@@ -98,6 +99,7 @@ void bind_planning_manager(py::module_& m) {
                                      "Times, distances and timeouts of the planning manager.");
   bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
                                   "Frames, rates, services and heartbeats of the planning_manager node.");
+  bind_config<FencesConfig>(m, "FencesConfig", "Files of the fences of the planning_manager node, and their limits.");
   bind_config<WorkTimeConfig>(m, "WorkTimeConfig",
                               "Simulated time of the planning_manager's work, where time waits for it.");
   bind_config<FlightSearchConfig>(m, "FlightSearchConfig",

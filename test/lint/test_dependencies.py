@@ -20,7 +20,7 @@ HEADERS = {"Eigen": "eigen", "ceres": "libceres-dev", "octomap": "liboctomap-dev
            "pcl": "libpcl-all-dev", "pybind11": "pybind11-dev", "ros": "roscpp", "yaml-cpp": "yaml-cpp"}
 MODULES = {"numpy": "python3-numpy", "yaml": "python3-yaml", "scipy": "python3-scipy", "pytest": "python3-pytest",
            "matplotlib": "python3-matplotlib", "rospkg": "python3-rospkg", "setuptools": "python3-setuptools",
-           "catkin_pkg": "catkin"}
+           "catkin_pkg": "catkin", "pyproj": "python3-pyproj"}
 CMAKE_PACKAGES = {"Ceres": "libceres-dev", "Eigen3": "eigen", "GTest": "gtest", "Python3": "python3-dev",
                   "embree": "libembree-dev", "octomap": "liboctomap-dev", "pybind11": "pybind11-dev"}
 PROGRAMS = {"Xvfb": "xvfb", "import": "imagemagick", "pointcloud_to_pcd": "pcl_ros", "rviz": "rviz",

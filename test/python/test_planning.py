@@ -254,8 +254,8 @@ def test_local_map_and_submap_collection_are_views():
 def test_shipped_parameters_are_the_defaults():
     sections = yaml.safe_load(CONFIG.read_text())
     classes = dict(node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig,
-                   planner=voxnav.FlightSearchConfig, map=voxnav.NavigationMapConfig, work=voxnav.WorkTimeConfig,
-                   time=voxnav.TimeConfig)
+                   planner=voxnav.FlightSearchConfig, map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig,
+                   work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
     assert set(sections) == set(classes)
     for name, config_class in classes.items():
         assert config_class.from_dict(sections[name]).to_dict() == config_class().to_dict()

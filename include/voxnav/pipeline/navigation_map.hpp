@@ -9,7 +9,12 @@
 
 #include "voxnav/base/config.hpp"
 #include "voxnav/containers/state_grid.hpp"
+#include "voxnav/planning/fences.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
+
+namespace voxnav::planning {
+class FenceRaster;
+}
 
 namespace voxnav::pipeline {
 
@@ -22,6 +27,8 @@ struct NavigationMapConfig {
   double footprint_radius_m = 1.2;
   double footprint_half_height_m = 1.2;
   bool local_knows_better = true;
+  double area_margin_m = 0.4;
+  double zone_distance_m = 1.0;
 
   template <class V>
   static void fields(V&& v) {
@@ -38,12 +45,18 @@ struct NavigationMapConfig {
       "as footprint_radius_m, up and down");
     v("local_knows_better", &NavigationMapConfig::local_knows_better, base::any(), "",
       "obstacles of the global map give way where the local map knows everything within the safety distance");
+    v("area_margin_m", &NavigationMapConfig::area_margin_m, base::in(0.0, 20.0), "m",
+      "planned paths stay this far inside the safety area, at its sides as below and above; what is flown stays "
+      "inside");
+    v("zone_distance_m", &NavigationMapConfig::zone_distance_m, base::in(0.0, 20.0), "m",
+      "planned paths stay this far from no-fly zones; what is flown keeps corridor_radius_m");
   }
   std::vector<std::string> problems() const;
 };
 
 /// The map by which the planner flies, in the odometry frame O: the local map as it is, the obstacles of the global map
-/// through T_W_O, the altitude limits of the map frame, and the vehicle's own place. Thread-safe; views are snapshots.
+/// through T_W_O, the altitude limits of the map frame, the fences of the flight, and the vehicle's own place.
+/// Thread-safe; views are snapshots.
 class NavigationMap {
  public:
   /// @throws base::ConfigError
@@ -63,6 +76,8 @@ class NavigationMap {
 
   void set_T_W_O(const geometry::Pose& T_W_O);
   void set_vehicle(const geometry::Vec3& position_O);
+  /// Sets the fences of the flight, null for none.
+  void set_fences(std::shared_ptr<const planning::Fences> fences_O);
   /// Forgets both grids; to be called after a restart of their source or a jump of the clock.
   void clear_local();
   void clear_obstacles();
@@ -84,7 +99,9 @@ class NavigationMap {
   Layer obstacles_;
   std::optional<geometry::Pose> T_W_O_;
   std::optional<geometry::Vec3> vehicle_O_;
-  mutable std::shared_ptr<const PlacedObstacles> placed_;  ///< kept from one view to the next while nothing moves
+  std::shared_ptr<const planning::Fences> fences_O_;
+  mutable std::shared_ptr<const planning::FenceRaster> raster_;  ///< kept while the fences are the same
+  mutable std::shared_ptr<const PlacedObstacles> placed_;        ///< kept from one view to the next while nothing moves
 };
 
 }  // namespace voxnav::pipeline

@@ -13,6 +13,8 @@ namespace voxnav::planning {
 using containers::StateBlock;
 using containers::VoxelState;
 
+class Fences;
+
 /// One bit for each voxel of a block, in the order of geometry::offset_in_block().
 using BlockMask = std::bitset<geometry::kBlockVolume>;
 
@@ -49,6 +51,10 @@ class OccupancyView {
   /// The distance [m] by which the occupied voxels of this view have been grown already. A planner grows them only by
   /// the rest of its safety distance.
   virtual double grown_by_m() const { return 0.0; }
+
+  /// The fences of the flight in the view's frame; null if there are none. forbidden() holds the voxels that paths may
+  /// not enter because of them, with a margin; these are exact.
+  virtual std::shared_ptr<const Fences> fences() const { return nullptr; }
 };
 
 /// Adapts a StateGrid to the interface of planning. Its bounds are the box of the grid's blocks.

@@ -23,13 +23,15 @@ enum class PlanStatus {
   kGoalEnclosed,     ///< the goal is free or unknown, but obstacles enclose the space around it
   kGoalBelowGround,  ///< the goal is unknown, and the ground covers it far around
   kOutsideMap,       ///< start or goal outside the view's box; the path, if any, leads towards the goal
+  kStartFenced,      ///< the start is outside the safety area or in a no-fly zone; there is no path from it
+  kGoalFenced,       ///< the goal is outside the safety area or in a no-fly zone; there is no path to it
   kInvalidInput
 };
 
 constexpr auto words_of(PlanStatus) {
   return std::array{"complete",          "partial_timeout", "partial_limit", "partial_blocked", "no_path",
                     "start_blocked",     "start_unknown",   "goal_blocked",  "goal_unknown",    "goal_enclosed",
-                    "goal_below_ground", "outside_map",     "invalid_input"};
+                    "goal_below_ground", "outside_map",     "start_fenced",  "goal_fenced",     "invalid_input"};
 }
 /// Explains a status in one sentence for people.
 const char* explain(PlanStatus status);

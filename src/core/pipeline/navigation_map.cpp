@@ -67,6 +67,11 @@ void NavigationMap::set_vehicle(const geometry::Vec3& position_O) {
   vehicle_O_ = position_O;
 }
 
+void NavigationMap::set_fences(std::shared_ptr<const planning::Fences> fences_O) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  fences_O_ = std::move(fences_O);
+}
+
 void NavigationMap::clear_local() {
   const std::lock_guard<std::mutex> lock(mutex_);
   local_ = Layer{};
@@ -86,7 +91,14 @@ std::shared_ptr<const planning::OccupancyView> NavigationMap::view() const {
   } else if (placed_ == nullptr || !placed_->is_of(obstacles_.grid.get(), *T_W_O_, resolution_m)) {
     placed_ = std::make_shared<PlacedObstacles>(obstacles_.grid, *T_W_O_, resolution_m);
   }
-  return std::make_shared<NavigationView>(config_, NavigationView::Content{local_.grid, placed_, *T_W_O_, *vehicle_O_});
+  if (fences_O_ == nullptr) {
+    raster_ = nullptr;
+  } else if (raster_ == nullptr || !raster_->is_of(fences_O_.get(), resolution_m)) {
+    const planning::FenceMargins margins{config_.area_margin_m, config_.zone_distance_m};
+    raster_ = std::make_shared<planning::FenceRaster>(fences_O_, margins, resolution_m);
+  }
+  return std::make_shared<NavigationView>(config_,
+                                          NavigationView::Content{local_.grid, placed_, raster_, *T_W_O_, *vehicle_O_});
 }
 
 NavigationMap::~NavigationMap() = default;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/navigation_view.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace voxnav::pipeline {
@@ -16,18 +17,41 @@ constexpr int kSide = geometry::kBlockSide;
 }
 
 NavigationView::NavigationView(const NavigationMapConfig& config, Content content)
-    : config_(config), content_(std::move(content)) {
+    : config_(config),
+      content_(std::move(content)),
+      min_altitude_m_(config.min_altitude_m),
+      max_altitude_m_(config.max_altitude_m) {
   const Vec3& p = content_.vehicle_O;
   const Vec3 footprint(config.footprint_radius_m, config.footprint_radius_m, config.footprint_half_height_m);
   footprint_ = {p - footprint, p + footprint};
   // Altitudes are limits of the map frame, which is upright in O as well.
   const double shift = content_.T_W_O.translation().z();
-  bounds_.min = Vec3(p.x() - config.range_m, p.y() - config.range_m, config.min_altitude_m - shift);
-  bounds_.max = Vec3(p.x() + config.range_m, p.y() + config.range_m, config.max_altitude_m - shift);
+  bounds_.min = Vec3(p.x() - config.range_m, p.y() - config.range_m, 0.0);
+  bounds_.max = Vec3(p.x() + config.range_m, p.y() + config.range_m, 0.0);
+  if (content_.fences != nullptr && content_.fences->fences().area()) limit_to_area(*content_.fences->fences().area());
+  bounds_.min.z() = min_altitude_m_ - shift;
+  bounds_.max.z() = max_altitude_m_ - shift;
   // A vehicle below or above the limits must be able to come back.
   const double edge = content_.local->resolution_m();
   bounds_.min.z() = std::min(bounds_.min.z(), p.z() - edge);
   bounds_.max.z() = std::max(bounds_.max.z(), p.z() + edge);
+}
+
+void NavigationView::limit_to_area(const planning::Prism& area) {
+  for (int axis = 0; axis < 2; ++axis) {
+    double low = area.outline.front()[axis], high = low;
+    for (const auto& corner : area.outline) {
+      low = std::min(low, corner[axis]);
+      high = std::max(high, corner[axis]);
+    }
+    bounds_.min[axis] = std::max(bounds_.min[axis], low);
+    bounds_.max[axis] = std::min(bounds_.max[axis], high);
+  }
+  // Altitudes are those of the centres of voxels, and paths touch the whole of them.
+  const double margin_m = config_.area_margin_m + 0.5 * resolution_m();
+  const double shift = content_.T_W_O.translation().z();
+  min_altitude_m_ = std::max(min_altitude_m_, area.min_z + shift + margin_m);
+  max_altitude_m_ = std::min(max_altitude_m_, area.max_z + shift - margin_m);
 }
 
 bool NavigationView::is_in_footprint(const Index3& voxel) const {
@@ -77,10 +101,11 @@ std::vector<Index3> NavigationView::known_blocks() const {
   // The vehicle may have widened the bounds beyond the altitudes, so that blocks without content hold forbidden
   // voxels.
   const double shift = content_.T_W_O.translation().z();
-  const Vec3 low(bounds_.min.x(), bounds_.min.y(), config_.min_altitude_m - shift);
-  const Vec3 high(bounds_.max.x(), bounds_.max.y(), config_.max_altitude_m - shift);
+  const Vec3 low(bounds_.min.x(), bounds_.min.y(), min_altitude_m_ - shift);
+  const Vec3 high(bounds_.max.x(), bounds_.max.y(), max_altitude_m_ - shift);
   if (bounds_.min.z() < low.z()) add_blocks({bounds_.min, {high.x(), high.y(), low.z()}}, &out);
   if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
+  if (content_.fences != nullptr) content_.fences->add_edge_blocks(bounds_, &out);
   if (content_.obstacles == nullptr) return out;
   for (const geometry::Aabb& box : content_.obstacles->block_boxes()) add_blocks(box, &out);
   return out;
@@ -92,7 +117,7 @@ bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) cons
   const bool has_footprint = box_of(block).intersects(footprint_);
   for (int z = 0; z < kSide; ++z) {
     const double altitude = (block.z * kSide + z + 0.5) * resolution_m() + shift;
-    if (altitude >= config_.min_altitude_m && altitude <= config_.max_altitude_m) continue;
+    if (altitude >= min_altitude_m_ && altitude <= max_altitude_m_) continue;
     for (int offset = z * kSide * kSide; offset < (z + 1) * kSide * kSide; ++offset) {
       if (has_footprint && is_in_footprint(geometry::voxel_at(block, offset))) continue;
       hard->set(offset);
@@ -106,10 +131,15 @@ bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) cons
   return content_.obstacles != nullptr && content_.obstacles->mask(block, mask);
 }
 
+std::shared_ptr<const planning::Fences> NavigationView::fences() const {
+  return content_.fences != nullptr ? content_.fences->shared_fences() : nullptr;
+}
+
 bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* soft) const {
   const bool has_altitudes = forbid_altitudes(block, hard);
+  const bool has_fences = content_.fences != nullptr && content_.fences->mask(block, hard);
   const bool has_obstacles = forbid_obstacles(block, config_.local_knows_better ? soft : hard);
-  return has_altitudes || has_obstacles;
+  return has_altitudes || has_fences || has_obstacles;
 }
 
 }  // namespace voxnav::pipeline

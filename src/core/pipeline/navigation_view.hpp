@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pipeline/placed_obstacles.hpp"
+#include "planning/fences/fence_raster.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
 
 namespace voxnav::pipeline {
@@ -12,8 +13,9 @@ namespace voxnav::pipeline {
 class NavigationView : public planning::OccupancyView {
  public:
   struct Content {
-    std::shared_ptr<const containers::StateGrid> local;  ///< frame O
-    std::shared_ptr<const PlacedObstacles> obstacles;    ///< of the global map, may be null
+    std::shared_ptr<const containers::StateGrid> local;   ///< frame O
+    std::shared_ptr<const PlacedObstacles> obstacles;     ///< of the global map, may be null
+    std::shared_ptr<const planning::FenceRaster> fences;  ///< may be null
     geometry::Pose T_W_O;
     geometry::Vec3 vehicle_O;
   };
@@ -25,8 +27,11 @@ class NavigationView : public planning::OccupancyView {
   const containers::StateBlock* block(const geometry::Index3& block, containers::StateBlock* scratch) const override;
   std::vector<geometry::Index3> known_blocks() const override;
   bool forbidden(const geometry::Index3& block, planning::BlockMask* hard, planning::BlockMask* soft) const override;
+  std::shared_ptr<const planning::Fences> fences() const override;
 
  private:
+  /// Takes the sides and the heights of the safety area into the limits.
+  void limit_to_area(const planning::Prism& area);
   bool is_in_footprint(const geometry::Index3& voxel) const;
   geometry::Aabb box_of(const geometry::Index3& block) const;
   /// Appends the blocks within the bounds that touch a box.
@@ -36,6 +41,8 @@ class NavigationView : public planning::OccupancyView {
 
   NavigationMapConfig config_;
   Content content_;
+  double min_altitude_m_;  ///< limits in the map frame
+  double max_altitude_m_;
   geometry::Aabb bounds_;
   geometry::Aabb footprint_;
 };

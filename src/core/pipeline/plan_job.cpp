@@ -9,7 +9,6 @@
 namespace voxnav::pipeline {
 namespace {
 
-using containers::VoxelState;
 using geometry::Vec3;
 
 /// If the corridor of full radius ends within this distance, it is tried again with the vehicle's own radius.
@@ -88,10 +87,8 @@ SafeLength safe_length(const PlanningManagerConfig& config, const planning::Occu
 
 std::string too_short(const SafeLength& safe) {
   const Vec3& p = safe.corridor.unsafe_point;
-  const char* format = safe.corridor.unsafe_state == VoxelState::kOccupied
-                           ? "only %.1f m are safe to fly: occupied at (%.1f, %.1f, %.1f)"
-                           : "only %.1f m are safe to fly: unknown at (%.1f, %.1f, %.1f)";
-  return text(format, std::max(0.0, safe.length_m), p.x(), p.y(), p.z());
+  return text("only %.1f m are safe to fly: ", std::max(0.0, safe.length_m)) + what_is_unsafe(safe.corridor) +
+         text(" at (%.1f, %.1f, %.1f)", p.x(), p.y(), p.z());
 }
 
 }  // namespace

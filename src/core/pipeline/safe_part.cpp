@@ -10,9 +10,9 @@ namespace {
 std::string place_text(const planning::CorridorResult& corridor) {
   char buffer[160];
   const geometry::Vec3& p = corridor.unsafe_point;
-  const char* state = corridor.unsafe_state == containers::VoxelState::kOccupied ? "occupied" : "unknown";
-  std::snprintf(buffer, sizeof buffer, "not known free: %s in %.1f m at (%.1f, %.1f, %.1f)", state,
-                corridor.first_unsafe_m, p.x(), p.y(), p.z());
+  std::snprintf(buffer, sizeof buffer, "%s%s in %.1f m at (%.1f, %.1f, %.1f)",
+                corridor.fence ? "" : "not known free: ", what_is_unsafe(corridor), corridor.first_unsafe_m, p.x(),
+                p.y(), p.z());
   return buffer;
 }
 

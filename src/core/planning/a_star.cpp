@@ -45,6 +45,10 @@ class PlanCall {
 
   PlanResult run() {
     if (!leave_start()) return finish();
+    if (costs_.is_fenced(goal_)) {
+      refuse(PlanStatus::kGoalFenced);
+      return finish();
+    }
     choose_goal();
     SearchOutcome outcome = search(&space_, way_out_.back(), goal_cell_, config_.heuristic_weight, budget_);
     result_.expansions = outcome.expansions;
@@ -62,6 +66,7 @@ class PlanCall {
 
   /// Fills way_out_ with the cells from the start to the first cell that may be entered.
   bool leave_start() {
+    if (costs_.is_fenced(start_)) return refuse(PlanStatus::kStartFenced);
     if (!costs_.is_inside(start_cell_)) return refuse(PlanStatus::kOutsideMap);
     const bool is_forbidden = config_.unknown_policy == UnknownPolicy::kForbid;
     const VoxelState state = costs_.state(start_cell_);

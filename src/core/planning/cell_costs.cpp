@@ -32,7 +32,7 @@ void min_plus(const float* in, int stride, const std::vector<float>& weights, fl
 }  // namespace
 
 CellCosts::CellCosts(const OccupancyView& view, const AStarConfig& config, const geometry::Vec3& start)
-    : view_(view), config_(config), start_(start), resolution_m_(view.resolution_m()) {
+    : view_(view), config_(config), start_(start), fences_(view.fences()), resolution_m_(view.resolution_m()) {
   const geometry::Aabb box = view.bounds();
   // A voxel is inside the box if its centre is.
   const geometry::Vec3 half = geometry::Vec3::Constant(0.5 * resolution_m_ - 1e-9 * resolution_m_);
@@ -56,6 +56,10 @@ CellCosts::CellCosts(const OccupancyView& view, const AStarConfig& config, const
     const float face = std::max(0.0F, static_cast<float>(std::abs(k)) - 0.5F);
     weights_.push_back(face * face);
   }
+}
+
+bool CellCosts::is_fenced(const geometry::Vec3& point) const {
+  return fences_ != nullptr && fences_->contact(point, 0.0);
 }
 
 bool CellCosts::is_inside(const geometry::Index3& v) const {

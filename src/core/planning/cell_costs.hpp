@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxnav/planning/a_star.hpp"
+#include "voxnav/planning/fences.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 
 namespace voxnav::planning {
@@ -29,6 +30,9 @@ class CellCosts {
   /// Returns the state of a voxel in the view, read through a cache of blocks.
   VoxelState state(const geometry::Index3& voxel);
   bool is_inside(const geometry::Index3& voxel) const;
+  /// Returns whether a point [m] violates a fence of the view.
+  bool is_fenced(const geometry::Vec3& point) const;
+  bool is_fenced(const geometry::Index3& voxel) const { return is_fenced(geometry::center_of(voxel, resolution_m_)); }
   std::size_t memory_bytes() const { return states_.size() * (sizeof(StateBlock) + 64); }
 
  private:
@@ -46,6 +50,7 @@ class CellCosts {
   const OccupancyView& view_;
   AStarConfig config_;
   geometry::Vec3 start_;
+  std::shared_ptr<const Fences> fences_;
   double resolution_m_;
   geometry::Index3 lowest_;  ///< lowest and highest voxel inside the view's box
   geometry::Index3 highest_;

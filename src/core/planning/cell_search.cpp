@@ -54,7 +54,7 @@ std::vector<Index3> escape(SearchSpace* space, CellCosts* costs, const Index3& s
   const auto may_cross = [&](const Index3& voxel) {
     const VoxelState state = costs->state(voxel);
     return costs->is_inside(voxel) && state != VoxelState::kOccupied &&
-           (may_cross_unknown || state == VoxelState::kFree);
+           (may_cross_unknown || state == VoxelState::kFree) && !costs->is_fenced(voxel);
   };
   return find_way_out(start, radius_cells,
                       {may_cross, [space](const Index3& voxel) { return is_enterable(space, voxel); },

@@ -106,15 +106,34 @@ bool is_usable(const std::vector<Vec3>& points, double resolution_m) {
          std::all_of(points.begin(), points.end(), [&](const Vec3& p) { return (p.array().abs() < limit).all(); });
 }
 
-}  // namespace
-
-CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>& points, double radius_m,
-                              CorridorRule rule) {
+/// The first contact of a polyline with the fences of a view, as a result that is safe if there is none.
+CorridorResult check_fences(const OccupancyView& view, const std::vector<Vec3>& points, double radius_m,
+                            CorridorRule rule) {
   CorridorResult out;
-  out.is_safe = false;
-  out.unsafe_state = VoxelState::kUnknown;
-  if (!is_usable(points, view.resolution_m()) || !(radius_m >= 0.0)) return out;
-  for (std::size_t i = 1; i < points.size(); ++i) out.length_m += (points[i] - points[i - 1]).norm();
+  const auto fences = view.fences();
+  if (fences == nullptr) return out;
+  double arc_m = 0.0;
+  for (std::size_t i = 0; i < std::max<std::size_t>(1, points.size() - 1); ++i) {
+    const Segment piece{points[i], points[std::min(i + 1, points.size() - 1)]};
+    const auto touch = rule == CorridorRule::kNotOccupied ? fences->first_zone_touch(piece.a, piece.b, radius_m)
+                                                          : fences->first_touch(piece.a, piece.b, radius_m);
+    if (touch) {
+      out.is_safe = false;
+      out.first_unsafe_m = arc_m + touch->t * piece.length();
+      out.unsafe_point = piece.at(touch->t);
+      out.unsafe_state = view.state(geometry::index_of(out.unsafe_point, view.resolution_m()));
+      out.fence = touch->contact;
+      return out;
+    }
+    arc_m += piece.length();
+  }
+  return out;
+}
+
+/// The first contact of a ball along a polyline with voxels, as a result that is safe if there is none.
+CorridorResult check_voxels(const OccupancyView& view, const std::vector<Vec3>& points, double radius_m,
+                            CorridorRule rule) {
+  CorridorResult out;
   // With a radius of exactly zero no distance would be below it, not even that of the voxels that the line crosses.
   const double radius = std::max(radius_m, 1e-3 * view.resolution_m());
   const double max_piece_m = kMaxPieceInRadii * std::max(radius, view.resolution_m());
@@ -130,14 +149,34 @@ CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>
         arc_m += piece.length();
         continue;
       }
+      out.is_safe = false;
       out.first_unsafe_m = arc_m + touch.t * piece.length();
       out.unsafe_state = touch.state;
       out.unsafe_point = touch.center;
       return out;
     }
   }
-  out.is_safe = true;
   return out;
+}
+
+}  // namespace
+
+CorridorResult check_corridor(const OccupancyView& view, const std::vector<Vec3>& points, double radius_m,
+                              CorridorRule rule) {
+  CorridorResult out;
+  out.is_safe = false;
+  out.unsafe_state = VoxelState::kUnknown;
+  if (!is_usable(points, view.resolution_m()) || !(radius_m >= 0.0)) return out;
+  out = check_voxels(view, points, radius_m, rule);
+  const CorridorResult fenced = check_fences(view, points, radius_m, rule);
+  if (!fenced.is_safe && (out.is_safe || fenced.first_unsafe_m < out.first_unsafe_m)) out = fenced;
+  for (std::size_t i = 1; i < points.size(); ++i) out.length_m += (points[i] - points[i - 1]).norm();
+  return out;
+}
+
+const char* what_is_unsafe(const CorridorResult& corridor) {
+  if (corridor.fence) return corridor.fence->kind == FenceKind::kArea ? "outside the safety area" : "in a no-fly zone";
+  return corridor.unsafe_state == VoxelState::kOccupied ? "occupied" : "unknown";
 }
 
 }  // namespace voxnav::planning

@@ -16,11 +16,11 @@ const char* explain(PlanStatus status) {
     case PlanStatus::kNoPath:
       return "nothing nearer to the goal can be reached";
     case PlanStatus::kStartBlocked:
-      return "start is inside or too near to an obstacle";
+      return "start is inside or too near to an obstacle, a fence or a limit of height";
     case PlanStatus::kStartUnknown:
       return "start is in unknown space";
     case PlanStatus::kGoalBlocked:
-      return "goal is inside or too near to an obstacle";
+      return "goal is inside or too near to an obstacle, a fence or a limit of height";
     case PlanStatus::kGoalUnknown:
       return "goal is in unknown space";
     case PlanStatus::kGoalEnclosed:
@@ -29,6 +29,10 @@ const char* explain(PlanStatus status) {
       return "goal is below the ground";
     case PlanStatus::kOutsideMap:
       return "start or goal is outside the map";
+    case PlanStatus::kStartFenced:
+      return "start is outside the safety area or in a no-fly zone";
+    case PlanStatus::kGoalFenced:
+      return "goal is outside the safety area or in a no-fly zone";
     case PlanStatus::kInvalidInput:
       return "start or goal is not a finite position";
   }

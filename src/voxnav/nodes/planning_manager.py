@@ -12,6 +12,7 @@ import voxnav
 from voxnav.msg import NodeDiagnostics
 from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
+from voxnav.nodes.planning_fences import PlanningFences
 from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
@@ -26,9 +27,10 @@ KEPT_GOAL_AGE_S = 600.0
 
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits, work, time_config = load_sections(
+        node, manager, planner, limits, fences, work, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
-            map=voxnav.NavigationMapConfig, work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
+            map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig, work=voxnav.WorkTimeConfig,
+            time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
         self._planner = voxnav.PathPlanner(planner.planner_config())
@@ -47,6 +49,7 @@ class PlanningManagerNode:
         self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._seam)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
+        self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
         self._resume_kept_goal()
         # The check of the flight comes first: where the seam calls them in turn, it runs before anything new starts.
         self._seam.every(node.check_rate_hz, self._check)
@@ -73,6 +76,7 @@ class PlanningManagerNode:
         self._last_now = now.to_sec()
         with self._diagnostics.time("tick"):
             self._inputs.update(now.to_sec())
+            self._fences.update()
             with self._lock:
                 actions = self._manager.tick(now.to_sec())
             self._dispatch(actions)
@@ -112,6 +116,11 @@ class PlanningManagerNode:
         if not problem:
             rospy.loginfo("[%s]: goal (%.1f, %.1f, %.1f)", NAME, *goal_W)
         return problem
+
+    def _set_fences(self, placed, problem):
+        self._map.set_fences(None if placed is None else placed.fences)
+        with self._lock:
+            self._manager.set_fences(placed, problem)
 
     def _stop(self):
         with self._lock:

@@ -62,6 +62,7 @@ class PlanningOutput:
     def _publish_status(self, status, frame, stamp, position_W):
         out = PlannerStatus(state=status.state, reason=status.reason)
         out.header.frame_id, out.header.stamp = frame, stamp
+        out.refusal = "" if status.refusal is None else status.refusal.sentence
         for name in ("is_goal_reached", "plan_status", "expansions", "plan_s", "num_plans", "num_trajectories",
                      "num_shortened", "num_hovers"):
             setattr(out, name, getattr(status, name))

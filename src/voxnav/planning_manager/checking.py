@@ -21,7 +21,6 @@ from voxnav.planning_manager.ways import straight_way, way_ahead
 
 # Nearer than this along its way, the vehicle is beside the unsafe place already.
 BESIDE_M = 0.05
-OCCUPIED = 2  # state of a voxel, as in CorridorResult
 # The next check comes after this time at the latest.
 NEXT_CHECK_S = 0.2
 # The tracker's prediction is compared with the trajectory at these times from now.
@@ -176,6 +175,5 @@ def _first_unsafe(way: Trajectory, view: Any, radius_m: float) -> Optional[Corri
 
 
 def _place(seen: CorridorResult) -> str:
-    state = "occupied" if seen.unsafe_state == OCCUPIED else "unknown"
-    where = (state, seen.first_unsafe_m) + tuple(seen.unsafe_point)
-    return "not known free: %s in %.1f m at (%.1f, %.1f, %.1f)" % where
+    where = (seen.what_is_unsafe, seen.first_unsafe_m) + tuple(seen.unsafe_point)
+    return ("" if seen.fence is not None else "not known free: ") + "%s in %.1f m at (%.1f, %.1f, %.1f)" % where

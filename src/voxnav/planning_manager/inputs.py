@@ -7,6 +7,7 @@ from typing import FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
 import numpy as np
 
 from voxnav.array_types import Array
+from voxnav.fences.placing import PlacedFences
 
 T = TypeVar("T")
 # Limits of speed [m/s] and acceleration [m/s^2] outside this range are no limits of a UAV.
@@ -89,6 +90,14 @@ class Frames:
 
 
 @dataclass(frozen=True, eq=False)
+class Fencing:
+    """The fences in frame O. placed: None if there are none; problem: why they are not known, '' if they are."""
+
+    placed: Optional[PlacedFences] = None
+    problem: str = ""
+
+
+@dataclass(frozen=True, eq=False)
 class Inputs:
     """The newest value of every input; None until the first one has come."""
 
@@ -101,6 +110,7 @@ class Inputs:
     map_stamp_s: Optional[float] = None
     frames: Frames = Frames()
     lost_nodes: FrozenSet[str] = field(default_factory=frozenset)
+    fencing: Fencing = Fencing()
 
     @property
     def is_on_ground(self) -> bool:

@@ -8,13 +8,15 @@ import numpy as np
 
 from voxnav._core import PlanOutcome
 from voxnav.array_types import Array
+from voxnav.fences.placing import PlacedFences
 from voxnav.planning_manager import checking, flying, main_loop, planning, stopping
 from voxnav.planning_manager.actions import Action, Hover, Plan, Publish
 from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.generated import Generated
-from voxnav.planning_manager.inputs import (Control, Frames, Inputs, Limits, Prediction, Timed, Vehicle, jump_m,
-                                            problem_of_limits)
+from voxnav.planning_manager.inputs import (Control, Fencing, Frames, Inputs, Limits, Prediction, Timed, Vehicle,
+                                            jump_m, problem_of_limits)
 from voxnav.planning_manager.reasons import Because, Reason
+from voxnav.planning_manager.refusal import refusal_of
 from voxnav.planning_manager.states import Goal, Idle, Moving, Planning, State, flight_of
 from voxnav.planning_manager.status import Status
 
@@ -88,6 +90,10 @@ class PlanningManager:
     def set_lost_nodes(self, names: Iterable[str]) -> None:
         self._inputs = replace(self._inputs, lost_nodes=frozenset(names))
 
+    def set_fences(self, placed: Optional[PlacedFences], problem: str = "") -> None:
+        """Sets the fences, None for no fences. problem: why they are not known; the vehicle does not fly then."""
+        self._inputs = replace(self._inputs, fencing=Fencing(placed, problem))
+
     # Commands.
 
     def set_goal(self, goal_W: Sequence[float], heading_rad: Optional[float], now_s: float) -> str:
@@ -102,6 +108,9 @@ class PlanningManager:
             return "goal is below the lowest altitude of %.1f m" % low
         if position[2] > high:
             return "goal is above the highest altitude of %.1f m" % high
+        self._status.refusal = refusal_of(position, self._inputs)
+        if self._status.refusal is not None:
+            return self._status.refusal.sentence
         self._status.is_goal_reached = False
         self._take(stopping.accept_goal(self._state, Goal(position, heading_rad), self._facts(now_s)))
         return ""
@@ -121,7 +130,7 @@ class PlanningManager:
         has_jumped = self._last_now_s is not None and now_s < self._last_now_s - CLOCK_JUMP_S
         self._last_now_s = now_s
         if has_jumped:
-            self._inputs = Inputs()
+            self._inputs = Inputs(fencing=self._inputs.fencing)
             return self._take(stopping.jump_clock(self._state, self._facts(now_s)))
         if self._jump_m > 0.0:
             sentence, self._jump_m = "odometry jumped by %.1f m" % self._jump_m, 0.0

@@ -17,7 +17,7 @@ def missing(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]:
     config: voxnav.PlanningManagerConfig
     """
     return (_missing_vehicle(inputs, now_s, config) or _missing_limits(inputs, now_s, config)
-            or _missing_map(inputs, now_s, config))
+            or _missing_map(inputs, now_s, config) or _outside_fences(inputs))
 
 
 def _missing_vehicle(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]:
@@ -56,6 +56,16 @@ def _missing_map(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]
     if old is not None:
         return old
     return Because(Reason.NODE_LOST, min(inputs.lost_nodes) + " is not running") if inputs.lost_nodes else None
+
+
+def _outside_fences(inputs: Inputs) -> Optional[Because]:
+    if inputs.fencing.problem:
+        return Because(Reason.FENCES_UNKNOWN, inputs.fencing.problem)
+    placed = inputs.fencing.placed
+    if placed is None or inputs.vehicle is None:
+        return None
+    contact = placed.fences.contact(inputs.vehicle.value.position_O)
+    return None if contact is None else Because(Reason.FENCED, "the vehicle is " + placed.what(contact))
 
 
 def _missing(value: Optional[Timed[T]], reason: Reason, what: str, now_s: float,

@@ -25,6 +25,9 @@ class Reason(enum.Enum):
     GOAL_UNSEEN = "goal cannot be seen"
     GOAL_BELOW_GROUND = "goal below the ground"
     GOAL_OUTSIDE_MAP = "goal outside the map"
+    GOAL_OUTSIDE_AREA = "goal outside the safety area"
+    GOAL_IN_ZONE = "goal in a no-fly zone"
+    GOAL_FENCED = "goal fenced off"
     STUCK = "stuck"
     TAKEN_OVER = "taken over"
     MOVING = "moving"
@@ -52,6 +55,8 @@ class Reason(enum.Enum):
     FRAMES_DIFFER = "frames differ"
     NO_CORRECTION = "no correction"
     NODE_LOST = "node lost"
+    FENCES_UNKNOWN = "fences not known"
+    FENCED = "vehicle outside its fences"
 
     @property
     def level(self) -> Level:
@@ -61,7 +66,8 @@ class Reason(enum.Enum):
 
 _USUAL = frozenset((
     Reason.NO_GOAL, Reason.NEW_GOAL, Reason.RESUMED, Reason.STOPPED, Reason.REACHED, Reason.GOAL_BLOCKED,
-    Reason.GOAL_ENCLOSED, Reason.GOAL_UNSEEN, Reason.GOAL_BELOW_GROUND, Reason.GOAL_OUTSIDE_MAP, Reason.MOVING,
+    Reason.GOAL_ENCLOSED, Reason.GOAL_UNSEEN, Reason.GOAL_BELOW_GROUND, Reason.GOAL_OUTSIDE_MAP,
+    Reason.GOAL_OUTSIDE_AREA, Reason.GOAL_IN_ZONE, Reason.GOAL_FENCED, Reason.MOVING,
     Reason.SEARCH_ENDED, Reason.NO_WAY, Reason.PLAN_FAILED, Reason.GENERATOR_FAILED, Reason.TRAJECTORY_REFUSED,
     Reason.NO_ANSWER, Reason.SHORTENED))
 

@@ -15,6 +15,7 @@ class Status:
     state: int = 0
     because: Because = Because(Reason.NO_GOAL, "no goal")
     goal_W: Optional[Array] = None
+    refusal: Optional[Because] = None  # why the last goal that was set was refused
     is_goal_reached: bool = False  # whether the last goal was reached
     plan_status: str = ""  # status of the last search
     expansions: int = 0

@@ -2,7 +2,8 @@
 """What a search tells about the goal: one reason for each status, and when it is decided that the goal is given up.
 
 A status about the goal itself (blocked, enclosed) is told while the vehicle flies to the nearest place that the search
-found, and decided once it is there. Nobody wants to go near a goal below the ground, which is decided at once. Other
+found, and decided once it is there. Nobody wants to go near a goal below the ground or beyond a fence, which is
+decided at once. Other
 statuses that nothing but a changed map would change are decided once they have persisted for confirm_s, while nothing
 that leads nearer to the goal can be flown. So one and the same goal in one and the same map gets the same answer each
 time.
@@ -45,6 +46,8 @@ MEANINGS = {
     PlanStatus.GOAL_ENCLOSED: Meaning(Reason.GOAL_ENCLOSED, is_about_goal=True),
     PlanStatus.GOAL_BELOW_GROUND: Meaning(Reason.GOAL_BELOW_GROUND, is_about_goal=True, leads_near=False),
     PlanStatus.OUTSIDE_MAP: Meaning(Reason.GOAL_OUTSIDE_MAP),
+    PlanStatus.START_FENCED: Meaning(Reason.FENCED),
+    PlanStatus.GOAL_FENCED: Meaning(Reason.GOAL_FENCED, is_about_goal=True, leads_near=False),
     PlanStatus.INVALID_INPUT: Meaning(Reason.PLAN_FAILED),
 }
 

@@ -3,6 +3,7 @@
 
 #include "planning/clearance/clearance_blocks.hpp"
 #include "voxnav/planning/clearance_field.hpp"
+#include "voxnav/planning/fences.hpp"
 
 namespace voxnav::planning {
 
@@ -24,6 +25,8 @@ class ClearanceField::Impl {
   /// The block that holds a voxel; null if the field has none, and all of it is unknown, far from obstacles.
   const ClearanceBlock* block_of(const geometry::Index3& voxel) const;
   VoxelState state(const geometry::Index3& voxel) const;
+  /// Returns whether a point [m] violates a fence of the view.
+  bool is_fenced(const geometry::Vec3& point) const { return fences_ != nullptr && fences_->contact(point, 0.0); }
   std::uint32_t component(const geometry::Index3& voxel) const;
   /// Calls fn(box) for each run of occupied, or of unknown voxels in a column that touches a box of voxels, cut to that
   /// box.
@@ -54,6 +57,7 @@ class ClearanceField::Impl {
   double resolution_m_ = 0.0;
   double grown_by_m_ = 0.0;
   VoxelBox bounds_;
+  std::shared_ptr<const Fences> fences_;
   ClearanceBlocks blocks_;
   std::optional<SquaredDistanceTransform> occupied_transform_;
   std::optional<SquaredDistanceTransform> unknown_transform_;

@@ -50,6 +50,7 @@ bool is_all_far(const ClearanceDistances& distances) {
 
 ClearanceUpdate FieldUpdate::run(const std::vector<Index3>& candidates) {
   read_bounds();
+  field_.fences_ = view_.fences();
   for (const Index3& index : candidates) read_block(index);
   std::set<Index3> touched;
   for (const auto& [index, work] : work_) {

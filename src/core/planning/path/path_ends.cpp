@@ -18,7 +18,7 @@ constexpr int kMaxDoublings = 4;
 class EndFinder {
  public:
   EndFinder(RunGraph* graph, const PathPlannerConfig& config, const Vec3& start, const Vec3& goal)
-      : graph_(*graph), config_(config), field_(graph->costs().field()), goal_(goal) {
+      : graph_(*graph), config_(config), field_(graph->costs().field()), start_(start), goal_(goal) {
     ends_.way_out = {geometry::index_of(start, 1.0)};
     ends_.goal_cell = geometry::index_of(goal, 1.0);
   }
@@ -29,15 +29,20 @@ class EndFinder {
     ends_.status = judge_goal();
     if (ends_.status == PlanStatus::kComplete) {
       ends_.goal_run = graph_.find(ends_.goal_cell);
-    } else {
+    } else if (ends_.status != PlanStatus::kGoalFenced) {
       replace_goal();
     }
     return ends_;
   }
 
  private:
+  /// Returns whether a point violates a fence.
+  bool is_fenced(const Vec3& point) const { return field_.is_fenced(point * field_.resolution_m()); }
+  bool is_fenced(const Index3& cell) const { return is_fenced(geometry::center_of(cell, 1.0)); }
+
   PlanStatus leave_start() {
     const Index3 start = ends_.way_out.front();
+    if (is_fenced(start_)) return PlanStatus::kStartFenced;
     if (!field_.bounds().contains(start)) return PlanStatus::kOutsideMap;
     ends_.start_run = graph_.find(start);
     if (ends_.start_run != RunGraph::kNone) return PlanStatus::kComplete;
@@ -48,7 +53,7 @@ class EndFinder {
     const auto may_cross = [this, is_forbidden](const Index3& voxel) {
       const VoxelState there = field_.state(voxel);
       return field_.bounds().contains(voxel) && there != VoxelState::kOccupied &&
-             (there == VoxelState::kFree || !is_forbidden);
+             (there == VoxelState::kFree || !is_forbidden) && !is_fenced(voxel);
     };
     const auto is_out = [this](const Index3& voxel) { return graph_.find(voxel) != RunGraph::kNone; };
     ends_.way_out = find_way_out(start, config_.escape_distance_m / field_.resolution_m(), {may_cross, is_out});
@@ -58,6 +63,7 @@ class EndFinder {
   }
 
   PlanStatus judge_goal() {
+    if (is_fenced(goal_)) return PlanStatus::kGoalFenced;
     if (!field_.bounds().contains(ends_.goal_cell)) return PlanStatus::kOutsideMap;
     const bool is_unknown = field_.state(ends_.goal_cell) == VoxelState::kUnknown;
     if (is_unknown && is_below_ground(field_, ends_.goal_cell)) return PlanStatus::kGoalBelowGround;
@@ -100,8 +106,8 @@ class EndFinder {
           const CellRun& run = graph_.node(n).run;
           const Index3 cell{center.x + x, center.y + y, std::min(std::max(center.z, run.low), run.high)};
           const double squared = flat + std::pow(cell.z - center.z, 2);
-          if (squared > best_squared || (ends_.is_substitute && squared == best_squared) || !may_connect(cell))
-            continue;
+          if (squared > best_squared || (ends_.is_substitute && squared == best_squared)) continue;
+          if (!may_connect(cell) || is_fenced(cell)) continue;
           ends_.goal_cell = cell;
           ends_.goal_run = n;
           ends_.is_substitute = true;
@@ -114,6 +120,7 @@ class EndFinder {
   RunGraph& graph_;
   const PathPlannerConfig& config_;
   const ClearanceField::Impl& field_;
+  Vec3 start_;
   Vec3 goal_;
   PathEnds ends_;
 };
