@@ -80,6 +80,20 @@ TEST(PathPlanner, ABlockedGoalLeadsToTheNearestCellOutside) {
   EXPECT_NEAR(result.remaining_m, std::sqrt(8.0), 1e-9) << "two cells away on both axes, 2.1 m from the box";
 }
 
+TEST(PathPlanner, AnUnknownGoalThatAnObstacleBlocksIsBlockedWhateverIsBehind) {
+  const auto grid = test::box_grid({0, 0, 0}, {40, 20, 20});
+  test::fill(grid.get(), {30, 0, 0}, {30, 20, 20}, VoxelState::kOccupied);
+  test::fill(grid.get(), {31, 0, 0}, {40, 20, 20}, VoxelState::kUnknown);
+  for (const auto& config : {PathPlannerConfig{}, optimistic()}) {
+    const auto result = plan(grid, config, {5.5, 10.5, 10.5}, {31.5, 10.5, 10.5});
+    EXPECT_EQ(result.status, PlanStatus::kGoalBlocked) << explain(result.status);
+    ASSERT_FALSE(result.path.empty());
+    EXPECT_NEAR(std::abs(result.path.back().x() - 30.5), 3.0, 1e-9) << "the nearest place with 2 m to the wall";
+  }
+  const auto behind = plan(grid, PathPlannerConfig{}, {5.5, 10.5, 10.5}, {35.5, 10.5, 10.5});
+  EXPECT_EQ(behind.status, PlanStatus::kGoalUnknown) << explain(behind.status);
+}
+
 TEST(PathPlanner, AGoalOutsideTheMapIsApproachedAsFarAsTheMapGoes) {
   const auto grid = test::box_grid({0, 0, 0}, {63, 63, 31});
   test::fill(grid.get(), {55, 10, 0}, {63, 50, 31}, VoxelState::kOccupied);

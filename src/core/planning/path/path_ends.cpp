@@ -69,9 +69,20 @@ class EndFinder {
     if (is_unknown && is_below_ground(field_, ends_.goal_cell)) return PlanStatus::kGoalBelowGround;
     if (graph_.find(ends_.goal_cell) == RunGraph::kNone) {
       const bool may_be_unknown = config_.unknown_policy == UnknownPolicy::kPenalise;
-      return is_unknown && !may_be_unknown ? PlanStatus::kGoalUnknown : PlanStatus::kGoalBlocked;
+      // What an obstacle blocks stays blocked, whatever else the unknown space around the goal turns out to hold.
+      const bool is_open = is_unknown && !may_be_unknown && !is_near_obstacle(ends_.goal_cell);
+      return is_open ? PlanStatus::kGoalUnknown : PlanStatus::kGoalBlocked;
     }
     return may_connect(ends_.goal_cell) ? PlanStatus::kComplete : PlanStatus::kGoalEnclosed;
+  }
+
+  /// Whether an occupied voxel is nearer to a cell than the distance to be kept.
+  bool is_near_obstacle(const Index3& cell) const {
+    const ClearanceBlock* block = field_.block_of(cell);
+    if (block == nullptr || block->to_occupied == nullptr) return false;
+    const int offset = geometry::offset_in_block(cell);
+    const int squared = (*block->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
+    return 0.5 * std::sqrt(static_cast<double>(squared)) < field_.clearance_m() / field_.resolution_m();
   }
 
   /// False only if the labels of the field say that there is no way.
