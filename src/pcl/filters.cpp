@@ -152,7 +152,7 @@ class VoxelGrid : public PclFilter {
       int axis = 0;
       sides.maxCoeff(&axis);
       const double middle = first[axis] + std::floor(0.5 * sides[axis]);
-      PclCloud::Ptr half[2] = {PclCloud::Ptr(new PclCloud), PclCloud::Ptr(new PclCloud)};
+      PclCloud::Ptr half[2] = {PclCloud().makeShared(), PclCloud().makeShared()};
       for (const PclPoint& p : *cloud) half[cell_of(p.getVector4fMap())[axis] < middle ? 0 : 1]->push_back(p);
       for (const PclCloud::Ptr& part : half) downsample(part, out);
       return;

@@ -135,12 +135,13 @@ sensor_msgs::PointCloud2 distance_slice(const submap::EvidenceMap& evidence, con
     const Vec3 size = bounds.max - bounds.min;
     const double area_step = std::sqrt(size.x() * size.y() / static_cast<double>(std::max<std::size_t>(max_points, 1)));
     const double step = std::max(evidence.resolution_m(), area_step);
-    for (double y = bounds.min.y(); y <= bounds.max.y(); y += step) {
-      for (double x = bounds.min.x(); x <= bounds.max.x(); x += step) {
-        const Vec3 p(x, y, height_m);
-        if (evidence.state(p) == voxnav::containers::VoxelState::kUnknown) continue;
-        add_row(p, evidence.distance_to_surface(p, max_distance_m).value_or(max_distance_m), &rows);
-      }
+    const auto num_x = static_cast<std::int64_t>(size.x() / step) + 1;
+    const auto num_y = static_cast<std::int64_t>(size.y() / step) + 1;
+    for (std::int64_t i = 0; i < num_x * num_y; ++i) {
+      const Vec3 p(bounds.min.x() + static_cast<double>(i % num_x) * step,
+                   bounds.min.y() + static_cast<double>(i / num_x) * step, height_m);
+      if (evidence.state(p) == voxnav::containers::VoxelState::kUnknown) continue;
+      add_row(p, evidence.distance_to_surface(p, max_distance_m).value_or(max_distance_m), &rows);
     }
   }
   return cloud_of(rows, header);

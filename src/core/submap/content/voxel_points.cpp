@@ -34,15 +34,6 @@ void VoxelPoints::move_to(std::vector<VoxelPoint> points) {
   believed_ = std::move(points);
 }
 
-void VoxelPoints::Reader::next(OccupiedVoxel* out) {
-  out->believed = points_.believed_[number_];
-  out->observed = {};
-  out->observed_time = occupancy::kUnknownTime;
-  if (!points_.is_observed_.test(number_++)) return;
-  out->observed_time = points_.times_[observed_];
-  out->observed = points_.differs_.test(observed_++) ? points_.observed_[differing_++] : out->believed;
-}
-
 bool VoxelPoints::assign(Parts parts) {
   believed_ = std::move(parts.believed);
   times_ = std::move(parts.times);

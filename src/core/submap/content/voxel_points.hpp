@@ -48,7 +48,14 @@ class VoxelPoints {
           observed_(points.is_observed_.rank(number)),
           differing_(points.differs_.rank(observed_)) {}
     /// Reads the next point. The offset of its voxel is not set, since it is stored in BlockStates.
-    void next(occupancy::OccupiedVoxel* out);
+    void next(occupancy::OccupiedVoxel* out) {
+      out->believed = points_.believed_[number_];
+      out->observed = {};
+      out->observed_time = occupancy::kUnknownTime;
+      if (!points_.is_observed_.test(number_++)) return;
+      out->observed_time = points_.times_[observed_];
+      out->observed = points_.differs_.test(observed_++) ? points_.observed_[differing_++] : out->believed;
+    }
 
    private:
     const VoxelPoints& points_;
