@@ -6,6 +6,7 @@
 #include "bind_config.hpp"
 #include "configs/fences_config.hpp"
 #include "configs/flight_search_config.hpp"
+#include "configs/home_config.hpp"
 #include "configs/planning_node_config.hpp"
 #include "configs/work_time_config.hpp"
 #include "point_lists.hpp"
@@ -100,6 +101,8 @@ void bind_planning_manager(py::module_& m) {
   bind_config<PlanningNodeConfig>(m, "PlanningNodeConfig",
                                   "Frames, rates, services and heartbeats of the planning_manager node.");
   bind_config<FencesConfig>(m, "FencesConfig", "Files of the fences of the planning_manager node, and their limits.");
+  bind_config<HomeConfig>(m, "HomeConfig",
+                          "The way home of the planning_manager node: which goals the battery allows.");
   bind_config<WorkTimeConfig>(m, "WorkTimeConfig",
                               "Simulated time of the planning_manager's work, where time waits for it.");
   bind_config<FlightSearchConfig>(m, "FlightSearchConfig",
@@ -110,6 +113,14 @@ void bind_planning_manager(py::module_& m) {
       .def("field_config", &FlightSearchConfig::field_config,
            "Returns the ClearanceFieldConfig of a field that keeps the distances which the search needs.");
   bind_trajectory(m);
+  m.def(
+      "flight_time",
+      [](const py::array& points, const LimitValues& limits, double deviation_m) {
+        return planning::flight_time(points_of(points, "points"), limits_of(limits), deviation_m);
+      },
+      py::arg("points"), py::arg("limits"), py::arg("deviation_m"),
+      "Time [s] from rest to rest along an (n, 3) float64 polyline, whose corners are rounded within deviation_m.\n\n"
+      "limits: speed and acceleration, each horizontal, ascending, descending, in pairs.");
   bind_outcome(m);
   bind_safe_part(m);
   m.def(

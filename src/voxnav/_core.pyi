@@ -370,6 +370,22 @@ class Handover:
     @property
     def content(self) -> MapContent: ...
 
+class HomeConfig:
+    full_flight_time_s: float
+    reserve_s: float
+    detour_ratio: float
+    battery_timeout_s: float
+    def __init__(
+        self, *,
+        full_flight_time_s: float = ..., reserve_s: float = ..., detour_ratio: float = ...,
+        battery_timeout_s: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> HomeConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
+
 class InsertStatistics:
     @property
     def points(self) -> int: ...
@@ -642,6 +658,8 @@ class NavigationMap:
 class NavigationMapConfig:
     min_altitude_m: float
     max_altitude_m: float
+    min_height_m: float
+    max_height_m: float
     range_m: float
     footprint_radius_m: float
     footprint_half_height_m: float
@@ -650,9 +668,10 @@ class NavigationMapConfig:
     zone_distance_m: float
     def __init__(
         self, *,
-        min_altitude_m: float = ..., max_altitude_m: float = ..., range_m: float = ...,
-        footprint_radius_m: float = ..., footprint_half_height_m: float = ..., local_knows_better: bool = ...,
-        area_margin_m: float = ..., zone_distance_m: float = ...
+        min_altitude_m: float = ..., max_altitude_m: float = ..., min_height_m: float = ...,
+        max_height_m: float = ..., range_m: float = ..., footprint_radius_m: float = ...,
+        footprint_half_height_m: float = ..., local_knows_better: bool = ..., area_margin_m: float = ...,
+        zone_distance_m: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> NavigationMapConfig: ...
@@ -1490,6 +1509,8 @@ def correct_trajectory(stamps_s: Array, T_O_B: Array, spans_s: Array, T_O_S: Arr
 def deskew(points_L: Array, time_offsets_ns: Array, T_O_L_start: Array, T_O_L_end: Array, duration_s: float) -> Array: ...
 
 def explain(status: str) -> str: ...
+
+def flight_time(points: Array, limits: Sequence[float], deviation_m: float) -> float: ...
 
 def gravity_aligned(T_A_B: Array) -> Array: ...
 

@@ -20,7 +20,7 @@ RUNNER = "map_bag"
 PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     "planning_manager": {"node": voxnav.PlanningNodeConfig, "manager": voxnav.PlanningManagerConfig,
                          "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig,
-                         "fences": voxnav.FencesConfig,
+                         "fences": voxnav.FencesConfig, "home": voxnav.HomeConfig,
                          "work": voxnav.WorkTimeConfig, "time": voxnav.TimeConfig},
     "submap_optimizer": {"node": voxnav.OptimizerConfig, "graph": voxnav.SubmapGraphConfig,
                          "time": voxnav.TimeConfig},

@@ -23,6 +23,8 @@ class PlacedObstacles;
 struct NavigationMapConfig {
   double min_altitude_m = 0.5;
   double max_altitude_m = 50.0;
+  double min_height_m = 0.0;
+  double max_height_m = 0.0;
   double range_m = 150.0;
   double footprint_radius_m = 1.2;
   double footprint_half_height_m = 1.2;
@@ -36,6 +38,10 @@ struct NavigationMapConfig {
       "lowest altitude of a path in the map frame");
     v("max_altitude_m", &NavigationMapConfig::max_altitude_m, base::in(-1000.0, 9000.0), "m",
       "highest altitude of a path in the map frame");
+    v("min_height_m", &NavigationMapConfig::min_height_m, base::in(0.0, 9000.0), "m",
+      "lowest height of a path above the terrain, where the local map shows it; 0 = no limit");
+    v("max_height_m", &NavigationMapConfig::max_height_m, base::in(0.0, 9000.0), "m",
+      "highest height of a path above the terrain, where the local map shows it; 0 = no limit");
     v("range_m", &NavigationMapConfig::range_m, base::in(10.0, 2000.0), "m",
       "paths stay this near to the vehicle on both horizontal axes");
     v("footprint_radius_m", &NavigationMapConfig::footprint_radius_m, base::in(0.0, 10.0), "m",

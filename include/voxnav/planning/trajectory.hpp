@@ -66,6 +66,10 @@ class Trajectory {
 double braking_deceleration(const Trajectory& trajectory, double from_arc_m, double to_arc_m,
                             const geometry::Vec3& velocity, const DynamicsLimits& limits);
 
+/// Returns the time from rest to rest along a polyline, whose corners are rounded within a tolerance; 0 for less than
+/// two points. O(points).
+double flight_time(const std::vector<geometry::Vec3>& points, const DynamicsLimits& limits, double corner_tolerance_m);
+
 /// Returns the distance until standstill: the reaction time at constant speed, then constant deceleration.
 double stopping_distance(double speed_mps, double deceleration_mps2, double reaction_s);
 

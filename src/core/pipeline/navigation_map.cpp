@@ -13,6 +13,9 @@ constexpr int kMaxIgnored = 5;
 std::vector<std::string> NavigationMapConfig::problems() const {
   std::vector<std::string> out;
   if (min_altitude_m >= max_altitude_m) out.emplace_back("min_altitude_m must be below max_altitude_m");
+  if (max_height_m > 0.0 && min_height_m >= max_height_m) {
+    out.emplace_back("min_height_m must be below max_height_m");
+  }
   return out;
 }
 

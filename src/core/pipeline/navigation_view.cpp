@@ -106,6 +106,7 @@ std::vector<Index3> NavigationView::known_blocks() const {
   if (bounds_.min.z() < low.z()) add_blocks({bounds_.min, {high.x(), high.y(), low.z()}}, &out);
   if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
   if (content_.fences != nullptr) content_.fences->add_edge_blocks(bounds_, &out);
+  if (has_height_limits()) add_height_blocks(&out);
   if (content_.obstacles == nullptr) return out;
   for (const geometry::Aabb& box : content_.obstacles->block_boxes()) add_blocks(box, &out);
   return out;
@@ -127,6 +128,52 @@ bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) cons
   return is_any;
 }
 
+const TerrainMap& NavigationView::terrain() const {
+  std::call_once(terrain_once_,
+                 [this] { terrain_ = std::make_unique<const TerrainMap>(*content_.local, content_.vehicle_O); });
+  return *terrain_;
+}
+
+/// Appends the blocks over and under known terrain, because limits of height forbid voxels of blocks without content.
+void NavigationView::add_height_blocks(std::vector<Index3>* out) const {
+  if (bounds_.empty()) return;
+  const double side = kSide * resolution_m();
+  const Index3 low = geometry::index_of(bounds_.min, side), high = geometry::index_of(bounds_.max, side);
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      if (!terrain().knows_block(x, y)) continue;
+      for (int z = low.z; z <= high.z; ++z) out->push_back({x, y, z});
+    }
+  }
+}
+
+/// Forbids voxels outside the limits of height, but for the way of a vehicle that is outside them itself.
+bool NavigationView::forbid_heights(const Index3& block, BlockMask* hard) const {
+  if (!has_height_limits()) return false;
+  const bool has_lowest = config_.min_height_m > 0.0, has_highest = config_.max_height_m > 0.0;
+  const double radius_sq = config_.footprint_radius_m * config_.footprint_radius_m;
+  const double lowest_way = footprint_.min.z(), highest_way = footprint_.max.z();
+  bool is_any = false;
+  for (int column = 0; column < kSide * kSide; ++column) {
+    const Index3 first = geometry::voxel_at(block, column);
+    const auto ground_m = terrain().height_m(first.x, first.y);
+    if (!ground_m) continue;
+    const Vec3 offset = geometry::center_of(first, resolution_m()) - content_.vehicle_O;
+    const bool is_at_vehicle = offset.head<2>().squaredNorm() <= radius_sq;
+    for (int z = 0; z < kSide; ++z) {
+      const double height = (first.z + z + 0.5) * resolution_m();
+      const bool is_low =
+          has_lowest && height < *ground_m + config_.min_height_m && !(is_at_vehicle && height >= lowest_way);
+      const bool is_high =
+          has_highest && height > *ground_m + config_.max_height_m && !(is_at_vehicle && height <= highest_way);
+      if (!is_low && !is_high) continue;
+      hard->set(static_cast<std::size_t>(z * kSide * kSide + column));
+      is_any = true;
+    }
+  }
+  return is_any;
+}
+
 bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) const {
   return content_.obstacles != nullptr && content_.obstacles->mask(block, mask);
 }
@@ -139,7 +186,8 @@ bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* 
   const bool has_altitudes = forbid_altitudes(block, hard);
   const bool has_fences = content_.fences != nullptr && content_.fences->mask(block, hard);
   const bool has_obstacles = forbid_obstacles(block, config_.local_knows_better ? soft : hard);
-  return has_altitudes || has_fences || has_obstacles;
+  const bool has_heights = forbid_heights(block, hard);
+  return has_altitudes || has_fences || has_heights || has_obstacles;
 }
 
 }  // namespace voxnav::pipeline

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include "pipeline/placed_obstacles.hpp"
+#include "pipeline/terrain_map.hpp"
 #include "planning/fences/fence_raster.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
 
@@ -36,7 +38,12 @@ class NavigationView : public planning::OccupancyView {
   geometry::Aabb box_of(const geometry::Index3& block) const;
   /// Appends the blocks within the bounds that touch a box.
   void add_blocks(const geometry::Aabb& box, std::vector<geometry::Index3>* out) const;
+  void add_height_blocks(std::vector<geometry::Index3>* out) const;
   bool forbid_altitudes(const geometry::Index3& block, planning::BlockMask* hard) const;
+  bool forbid_heights(const geometry::Index3& block, planning::BlockMask* hard) const;
+  bool has_height_limits() const { return config_.min_height_m > 0.0 || config_.max_height_m > 0.0; }
+  /// The terrain under the map, which is found when it is first asked for: only plans need it.
+  const TerrainMap& terrain() const;
   bool forbid_obstacles(const geometry::Index3& block, planning::BlockMask* mask) const;
 
   NavigationMapConfig config_;
@@ -45,6 +52,8 @@ class NavigationView : public planning::OccupancyView {
   double max_altitude_m_;
   geometry::Aabb bounds_;
   geometry::Aabb footprint_;
+  mutable std::once_flag terrain_once_;
+  mutable std::unique_ptr<const TerrainMap> terrain_;
 };
 
 }  // namespace voxnav::pipeline

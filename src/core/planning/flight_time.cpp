@@ -78,6 +78,10 @@ double length_of(const std::vector<Vec3>& points) {
   return length;
 }
 
+double flight_time(const std::vector<Vec3>& points, const DynamicsLimits& limits, double corner_tolerance_m) {
+  return points.size() < 2 ? 0.0 : passing_times(points, limits, corner_tolerance_m).back();
+}
+
 std::vector<Vec3> cut_at_length(const std::vector<Vec3>& points, double length_m) {
   std::vector<Vec3> out;
   double left = std::max(0.0, length_m);

@@ -14,6 +14,7 @@ from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
 from voxnav.nodes.planning_fences import PlanningFences
 from voxnav.nodes.planning_goals import PlanningGoals
+from voxnav.nodes.planning_home import PlanningHome
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices
@@ -27,10 +28,10 @@ KEPT_GOAL_AGE_S = 600.0
 
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits, fences, work, time_config = load_sections(
+        node, manager, planner, limits, fences, home, work, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
-            map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig, work=voxnav.WorkTimeConfig,
-            time=voxnav.TimeConfig)
+            map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig, home=voxnav.HomeConfig,
+            work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
         self._planner = voxnav.PathPlanner(planner.planner_config())
@@ -50,6 +51,9 @@ class PlanningManagerNode:
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
         self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
+        self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
+                                  self._seam)
+        self._manager.judge = self._home.judge
         self._resume_kept_goal()
         # The check of the flight comes first: where the seam calls them in turn, it runs before anything new starts.
         self._seam.every(node.check_rate_hz, self._check)
@@ -77,6 +81,7 @@ class PlanningManagerNode:
         with self._diagnostics.time("tick"):
             self._inputs.update(now.to_sec())
             self._fences.update()
+            self._home.update(now.to_sec())
             with self._lock:
                 actions = self._manager.tick(now.to_sec())
             self._dispatch(actions)
@@ -95,7 +100,7 @@ class PlanningManagerNode:
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
         waypoints = self._waypoints if status.goal_W is not None else path[:0]
-        self._output.publish(self._seam.now(), status, inputs, path, waypoints, position_W)
+        self._output.publish(self._seam.now(), status, self._home.state, inputs, path, waypoints, position_W)
         self._keep_goal(status.goal_W)
         self._report(status)
 

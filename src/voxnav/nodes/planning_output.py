@@ -42,9 +42,9 @@ class PlanningOutput:
         self._display = rospy.Publisher("~display_string_out", String, queue_size=2)
         self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
 
-    def publish(self, stamp, status, inputs, path_O, waypoints_O, position_W):
-        """Publishes a status of voxnav.planning_manager and paths, (k, 3) in frame O."""
-        self._publish_status(status, inputs.map_frame, stamp, position_W)
+    def publish(self, stamp, status, home, inputs, path_O, waypoints_O, position_W):
+        """Publishes a status of voxnav.planning_manager, a HomeState, and paths, (k, 3) in frame O."""
+        self._publish_status(status, home, inputs.map_frame, stamp, position_W)
         flags = "-id planning_manager -p " + STATE_COLOURS[status.state]
         line = "%s: %s" % (STATE_NAMES[status.state], status.reason)
         self._display.publish(String(data=flags + line[:MAX_LINE]))
@@ -59,7 +59,7 @@ class PlanningOutput:
                    () if goal is None else points_of(np.array([goal]))),
         ]))
 
-    def _publish_status(self, status, frame, stamp, position_W):
+    def _publish_status(self, status, home, frame, stamp, position_W):
         out = PlannerStatus(state=status.state, reason=status.reason)
         out.header.frame_id, out.header.stamp = frame, stamp
         out.refusal = "" if status.refusal is None else status.refusal.sentence
@@ -72,4 +72,9 @@ class PlanningOutput:
             out.goal = Point(*(float(x) for x in goal))
         if goal is not None and position_W is not None:
             out.goal_distance_m = float(np.linalg.norm(goal - position_W))
+        out.has_home, out.is_way_home_known = home.start_W is not None, home.way_s is not None
+        if out.has_home:
+            out.home = Point(*(float(x) for x in home.start_W))
+        if out.is_way_home_known:
+            out.way_home_m, out.way_home_s = home.way_m, home.way_s
         self._status.publish(out)

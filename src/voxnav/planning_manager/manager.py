@@ -48,6 +48,8 @@ class PlanningManager:
         self._inputs = Inputs()
         self._last_now_s: Optional[float] = None
         self._num_jobs, self._jump_m = 0, 0.0
+        # Tells why a goal in frame W is refused for reasons of others, None if it is not.
+        self.judge: Callable[[Array], Optional[Because]] = lambda goal_W: None
         self._status = Status()
 
     # Inputs: vehicle and maps.
@@ -108,7 +110,7 @@ class PlanningManager:
             return "goal is below the lowest altitude of %.1f m" % low
         if position[2] > high:
             return "goal is above the highest altitude of %.1f m" % high
-        self._status.refusal = refusal_of(position, self._inputs)
+        self._status.refusal = refusal_of(position, self._inputs) or self.judge(position)
         if self._status.refusal is not None:
             return self._status.refusal.sentence
         self._status.is_goal_reached = False

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Decides when a flight begins, and keeps the way home up to date."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Callable, Optional
+
+import numpy as np
+
+from voxnav._core import check_corridor, flight_time
+from voxnav.array_types import Array
+from voxnav.homing.track import HomeTrack
+from voxnav.planning_manager.inputs import Inputs
+
+# The way is kept up to date this often; the vehicle flies no farther than HomeTrack takes for a jump meanwhile.
+INTERVAL_S = 0.2
+# A vehicle that was on the ground for this long begins a new flight when it is in the air again.
+LANDED_S = 3.0
+# Shortcuts, whose corridors are costly to check, are looked for this often.
+SHORTCUT_INTERVAL_S = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class HomeState:
+    """Where the flight began, frame W, and the way back; None: not known."""
+
+    start_W: Optional[Array] = None
+    way_m: Optional[float] = None
+    way_s: Optional[float] = None
+
+
+class HomeKeeper:
+    """Is told the inputs of the planning manager again and again. Not thread-safe.
+
+    radius_m: known free space that must surround a shortcut; deviation_m: how far a trajectory may leave the way
+    """
+
+    def __init__(self, radius_m: float, deviation_m: float) -> None:
+        self._radius_m, self._deviation_m = radius_m, deviation_m
+        self._track: Optional[HomeTrack] = None
+        self._now_s = self._shortened_s = 0.0
+        self._ground_since_s: Optional[float] = None
+        self.state = HomeState()
+
+    @property
+    def way_W(self) -> Optional[Array]:
+        """Returns the way from the vehicle to the start, (k, 3); None if it is not known."""
+        return None if self._track is None else self._track.way_W()
+
+    def update(self, inputs: Inputs, look: Callable[[], Any], now_s: float) -> None:
+        """Keeps the way up to date. look: returns voxnav.OccupancyView in frame O, None if there is no map."""
+        if now_s < self._now_s:
+            self._now_s = self._shortened_s = now_s
+            self._ground_since_s = None
+        if now_s - self._now_s < INTERVAL_S or inputs.vehicle is None or inputs.T_W_O is None:
+            return
+        self._now_s = now_s
+        T_W_O, position_O = inputs.T_W_O.value, inputs.vehicle.value.position_O
+        position_W = np.asarray(T_W_O[:3, :3].dot(position_O) + T_W_O[:3, 3])
+        if not self._is_flown(inputs, now_s):
+            return
+        if self._track is None:
+            self._track = HomeTrack(position_W)
+        self._track.follow(position_W)
+        view = look() if now_s - self._shortened_s >= SHORTCUT_INTERVAL_S else None
+        if view is not None:
+            self._shortened_s = now_s
+            self._track.shorten(lambda line_W: self._is_free(line_W, T_W_O, view))
+        self.state = self._state_of(self._track, inputs)
+
+    def _is_flown(self, inputs: Inputs, now_s: float) -> bool:
+        """Tells whether the vehicle is in the air; one that has landed has no way home until it takes off again."""
+        if inputs.is_on_ground:
+            self._ground_since_s = now_s if self._ground_since_s is None else self._ground_since_s
+            if now_s - self._ground_since_s >= LANDED_S:
+                self._track, self.state = None, HomeState()
+            return False
+        if inputs.is_in_air:
+            self._ground_since_s = None
+        return inputs.is_in_air
+
+    def _is_free(self, line_W: Array, T_W_O: Array, view: Any) -> bool:
+        line_O = np.ascontiguousarray((line_W - T_W_O[:3, 3]) @ T_W_O[:3, :3])
+        return bool(check_corridor(view, line_O, self._radius_m).safe)
+
+    def _state_of(self, track: HomeTrack, inputs: Inputs) -> HomeState:
+        way = track.way_W()
+        if way is None:
+            return HomeState(track.start_W)
+        way_s = None if inputs.limits is None else flight_time(way, inputs.limits.value, self._deviation_m)
+        return HomeState(track.start_W, track.length_m(), way_s)
