@@ -123,7 +123,7 @@ def test_stop_drops_the_goal_and_hovers():
 
 
 @pytest.mark.parametrize("control, words", [
-    (Control(True, False, False), "hover or land"), (Control(False, False, False), "landed"),
+    (Control(True, False, False), "let the vehicle hover"), (Control(False, False, False), "landed"),
     (Control(True, True, False), "somebody else commands")])
 def test_a_command_of_another_node_drops_the_goal_and_no_command_follows(control, words):
     after, actions = main_loop.tick(moving_state(), facts(control=control))
@@ -485,12 +485,24 @@ def test_the_tracker_takes_or_refuses_a_shortened_trajectory():
 def test_a_trajectory_that_is_taken_too_late_is_stopped():
     after, actions = flying.publish_done(planning_state(), JOB, "", facts())
     assert isinstance(after, Planning) and kinds(actions) == [Hover]
-    for state in (Idle(BECAUSE), planning_state(job=replace(publishing(), job=JOB + 1))):
-        assert flying.publish_done(state, JOB, "", facts()) == (state, ())
+    newer = planning_state(job=replace(publishing(), job=JOB + 1))
+    assert flying.publish_done(newer, JOB, "", facts()) == (newer, ())
     for state in (Idle(BECAUSE, GOAL, OwnHover(BECAUSE, NOW, NOW)), planning_state(hover=OwnHover(BECAUSE, NOW))):
         after, (hover,) = flying.publish_done(state, JOB, "", facts())
         assert hover.is_repeat and hover.means is Means.HOVER and after.hover.accepted_s is None
     assert flying.publish_done(planning_state(), JOB, "busy", facts())[1] == ()
+
+
+@pytest.mark.parametrize("control, is_stopped", [(FREE, True), (Control(True, True, False), False),
+                                                 (Control(True, False, True), False)])
+def test_a_trajectory_taken_after_the_goal_was_dropped_is_stopped_unless_somebody_has_ended_it(control, is_stopped):
+    late, actions = flying.publish_done(Idle(BECAUSE), JOB, "", facts())
+    assert late.late_s == NOW and not actions
+    early, actions = main_loop.tick(late, facts(control=control))
+    assert early.late_s == NOW and not actions, "these diagnostics do not show it yet"
+    after, actions = main_loop.tick(late, facts(NOW + 0.1, control=control))
+    assert after.late_s is None and kinds(actions) == [Hover] * is_stopped
+    assert (after.hover is not None) == is_stopped and after.goal is None
 
 
 def test_a_safe_corridor_changes_nothing():
@@ -524,15 +536,6 @@ def test_a_search_that_cannot_be_made_is_tried_again():
     after, actions = planning.plan_failed(state, JOB, "no map", at_rest())
     assert isinstance(after, Planning) and after.job is None and not actions
     assert after.because == Because(Reason.PLAN_FAILED, "no search: no map")
-
-
-@pytest.mark.parametrize("state", [moving_state(), planning_state(hover=OwnHover(BECAUSE, NOW, NOW)),
-                                   Idle(BECAUSE, GOAL)])
-def test_while_the_bumper_repels_the_vehicle_nothing_is_commanded(state):
-    repelling = Control(is_flying=True, accepts_goals=False, is_tracking=False, is_repelling=True)
-    after, actions = main_loop.tick(state, facts(control=repelling))
-    assert isinstance(after, Idle) and after.goal is not None and not actions
-    assert after.because.reason is Reason.REPELLED
 
 
 @pytest.mark.parametrize("seen", [None, view((2.4, 0.0))])

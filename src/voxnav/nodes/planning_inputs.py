@@ -14,9 +14,10 @@ from nav_msgs.msg import Odometry
 from voxnav import files
 from voxnav.msg import SubmapPoses
 from voxnav.nodes.planning_feeds import GridFeed, Heartbeats, WaitingGridFeed
-from voxnav.planning_manager.inputs import Control, problem_of_limits
+from voxnav.planning_manager.inputs import Control, TrackerState, problem_of_limits
 
 IDENTITY = Transform(rotation=Quaternion(w=1.0))
+TRACKER_STATES = frozenset(state.value for state in TrackerState)
 
 
 def rotation(q):
@@ -30,6 +31,16 @@ def matrix(position, orientation):
     out[:3, :3] = rotation(orientation)
     out[:3, 3] = (position.x, position.y, position.z)
     return out
+
+
+def control_of(msg):
+    """Returns the Control of an mrs_msgs/ControlManagerDiagnostics."""
+    tracker = msg.tracker_status
+    is_known = tracker.state in TRACKER_STATES
+    return Control(msg.flying_normally, tracker.callbacks_enabled, tracker.tracking_trajectory, msg.bumper_active,
+                   msg.joystick_active, msg.output_enabled, tracker.have_goal,
+                   TrackerState(tracker.state) if is_known else TrackerState.INVALID, msg.active_tracker,
+                   msg.active_controller)
 
 
 class PlanningInputs:
@@ -119,8 +130,7 @@ class PlanningInputs:
         self._note("state", msg.header.stamp.to_sec())
 
     def _on_control(self, msg):
-        control = Control(msg.flying_normally, msg.tracker_status.callbacks_enabled,
-                          msg.tracker_status.tracking_trajectory, msg.bumper_active)
+        control = control_of(msg)
         with self._lock:
             self._manager.set_control(msg.stamp.to_sec(), control)
         self._note("control", msg.stamp.to_sec())
@@ -162,7 +172,8 @@ class PlanningInputs:
             return
         with self._lock:
             self._manager.set_prediction(command.header.stamp.to_sec(),
-                                         np.array([s.to_sec() for s in prediction.stamps]), points)
+                                         np.array([s.to_sec() for s in prediction.stamps]), points,
+                                         prediction.input_id)
 
     def _on_submap_poses(self, msg):
         if msg.header.frame_id:

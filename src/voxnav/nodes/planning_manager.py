@@ -193,8 +193,8 @@ class PlanningManagerNode:
         return lambda now: self._manager.generate_done(action.job, generated, now)
 
     def _do_publish(self, action):
-        problem = self._services.publish(action.trajectory, action.stamp_s, self._inputs.odometry_frame)
-        return lambda now: self._manager.publish_done(action.job, problem, now)
+        problem, is_modified = self._services.publish(action.trajectory, action.stamp_s, self._inputs.odometry_frame)
+        return lambda now: self._manager.publish_done(action.job, problem, now, is_modified)
 
     def _do_hover(self, action):
         problem = self._services.stop(action, self._inputs.odometry_frame)

@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger, TriggerRequest
 import voxnav
 from voxnav.nodes.time_seam import exact_time
 from voxnav.planning_manager import Generated, Means
+from voxnav.planning_manager.input_ids import FIRST_ID, after
 
 # rospy offers no timeout for calls, so a call that hangs keeps its thread. No more threads than this are started.
 MAX_HANGING_CALLS = 3
@@ -82,7 +83,7 @@ class ControlServices:
         self._ehover = TimedService("~ehover_out", Trigger, config.hover_timeout_s, seam)
         # A trajectory to rest must not wait behind another one, nor as long.
         self._rest = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, config.hover_timeout_s, seam)
-        self._input_id = 0
+        self._input_id = FIRST_ID
         self._generated, self._headings = None, []  # last answer of the generator, if headings were requested
 
     def generate(self, action, frame, now_s):
@@ -125,13 +126,15 @@ class ControlServices:
         """Publishes a voxnav.Trajectory to be flown at once; if it was cut, in the present heading.
 
         stamp_s: time of its first point, so that the tracker skips what is over by now; None: the present time
+        Returns the problem, and whether the control manager flies another trajectory than this one.
         """
         return self._fly(self._trajectory, trajectory, stamp_s, frame)
 
     def stop(self, action, frame):
         """Stops the vehicle by the means of a Hover."""
         if action.trajectory is not None:
-            return self._fly(self._rest, action.trajectory, None, frame)
+            problem, is_modified = self._fly(self._rest, action.trajectory, None, frame)
+            return problem or ("cut at the safety area of the control manager" if is_modified else "")
         service = self._ehover if action.means is Means.EHOVER else self._hover
         try:
             response = service.call(TriggerRequest())
@@ -140,7 +143,7 @@ class ControlServices:
         return "" if response.success else (response.message or "refused without a reason")
 
     def _fly(self, service, trajectory, stamp_s, frame):
-        self._input_id += 1
+        self._input_id = after(self._input_id)
         message = TrajectoryReference(input_id=self._input_id, fly_now=True, dt=trajectory.dt_s)
         message.header.frame_id = frame
         if stamp_s is not None:
@@ -152,13 +155,13 @@ class ControlServices:
         try:
             response = service.call(TrajectoryReferenceSrvRequest(trajectory=message))
         except ServiceError as error:
-            return str(error)
+            return str(error), False
         if not response.success:
-            return response.message or "refused without a reason"
+            return response.message or "refused without a reason", False
         # The control manager may accept a trajectory that its active tracker then refuses.
         if response.tracker_successes and not response.tracker_successes[0]:
-            return "tracker: " + (response.tracker_messages[0] if response.tracker_messages else "refused")
-        return ""
+            return "tracker: " + (response.tracker_messages[0] if response.tracker_messages else "refused"), False
+        return "", response.modified
 
 
 def reference(point, heading_rad):

@@ -10,16 +10,19 @@ from       what happens                             to                        ac
 =========  =======================================  ========================  ======================  ================
 any        a goal is set                            Planning                                          accept_goal
 any        stop is commanded                        Idle, goal dropped        Hover                   stop
-any        tick: somebody else hovers, lands, or    Idle, goal dropped                                drop_goal
-           commands the vehicle
+any        tick: a pilot, another node, or the      Idle, goal dropped                                drop_goal
+           control manager itself has the vehicle
 any        tick: a hover is not accepted yet        as it was                 Hover again each 1 s    repeat_hover
 any        a hover is refused in motion             as it was                 Hover, stronger means   hover_answered
 any        a hover is accepted, or refused at rest  as it was                                         hover_answered
 any        a trajectory is taken after a hover      as it was                 Hover again             hover_again
 any        tick: an input is missing or absurd      Idle, goal kept           Hover if in motion      lose
-any        tick: the bumper repels the vehicle      Idle, goal kept                                   lose
+any        tick: somebody else flies the vehicle,   Idle, goal kept                                   lose
+           and did so before the goal was set
 any        tick: the clock jumped back              Idle, goal kept           Hover if in motion      jump_clock
 Idle       tick: nothing is missing, goal kept      Planning                  Plan                    resume
+Idle       tick: a trajectory is flown that the     Idle                      Hover                   stop_late
+           tracker took after the goal was dropped
 Idle       check: somebody else flies where it is   Idle, with a warning                              check_others
            not known free
 P, M       the odometry frame jumped, in motion     Planning                  Hover                   jump_frame
@@ -41,6 +44,8 @@ P, M       no trajectory, a late or another one     M if flown, else P          
            than was asked for, or an unsafe one
 P, M       the tracker takes the trajectory         Moving                                            publish_done
 P, M       the tracker refuses it                   M if flown, else P                                fail
+P, M       the control manager cuts it at its       Idle, goal dropped        Hover                   publish_done
+           safety area
 Planning   the tracker takes a shortened one        Planning                                          publish_done
 Planning   the tracker refuses a shortened one      Planning                  Hover                   brake
 P, M       a trajectory is taken that nobody        Planning                  Hover                   brake

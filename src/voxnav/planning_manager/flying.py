@@ -11,12 +11,14 @@ from voxnav.planning_manager.generated import Generated, fault_of
 from voxnav.planning_manager.planning import fail, moving
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import Active, Flight, Generating, Idle, Leads, Publishing, State, own_hover
-from voxnav.planning_manager.stopping import brake, hover_again
+from voxnav.planning_manager.stopping import TOO_LATE, brake, hover_again
+from voxnav.planning_manager.stops import stop_for
 from voxnav.planning_manager.verdicts import MEANINGS
 
 # Paths whose ends are nearer to each other than this end at the same place.
 UNCUT_M = 0.1
 NO_MAP = "no map to check against"
+OUTSIDE = "goal dropped: the way to it leaves the safety area, at which the control manager cut the trajectory"
 
 
 def generate_done(state: State, number: int, generated: Union[Generated, str], facts: Facts) -> Step:
@@ -59,11 +61,18 @@ def _moving_because(outcome: PlanOutcome, leads: Leads) -> Because:
     return Because(MEANINGS[outcome.status].reason, sentence + doubt)
 
 
-def publish_done(state: State, number: int, problem: str, facts: Facts) -> Step:
-    """Takes the tracker's answer: it flies the trajectory from now on, or has refused it."""
+def publish_done(state: State, number: int, problem: str, facts: Facts, is_modified: bool = False) -> Step:
+    """Takes the tracker's answer: it flies the trajectory from now on, or has refused it.
+
+    is_modified: the control manager has cut the trajectory at its safety area, or moved it into that. What is flown then
+    is not what was verified, and the same goal would be answered the same way again.
+    """
     if isinstance(state, Idle) or not isinstance(state.job, Publishing) or state.job.job != number:
         return _late(state, problem, facts)
     job = state.job
+    if is_modified and not problem:
+        stopping, hover = stop_for(Because(Reason.SAFETY_AREA, OUTSIDE), None, facts)
+        return Idle(hover.because, None, stopping), (hover,)
     if problem and job.is_shortening:
         because = Because(Reason.BRAKE, "brake: shortened trajectory refused: " + problem)
         return brake(state, because, facts)
@@ -90,6 +99,8 @@ def _late(state: State, problem: str, facts: Facts) -> Step:
     """Stops a trajectory that the tracker took although the state no longer waits for it."""
     if problem or not isinstance(state, Idle) and isinstance(state.job, Publishing):
         return state, ()
-    if isinstance(state, Idle) or own_hover(state) is not None:
+    if own_hover(state) is not None:
         return hover_again(state, facts)
-    return brake(state, Because(Reason.BRAKE, "brake: a trajectory was accepted too late"), facts)
+    if isinstance(state, Idle):
+        return replace(state, late_s=facts.now_s), ()
+    return brake(state, Because(Reason.BRAKE, TOO_LATE), facts)

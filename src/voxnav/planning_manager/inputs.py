@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The inputs of the planning manager from the vehicle and the maps."""
 
+import enum
 from dataclasses import dataclass, field
 from typing import FrozenSet, Generic, Optional, Sequence, Tuple, TypeVar
 
@@ -48,10 +49,14 @@ def jump_m(before: Optional[Timed[Vehicle]], now: Timed[Vehicle]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The tracker's prediction: rising times [s] and positions (n, 3) in O, both finite."""
+    """The tracker's prediction: rising times [s] and positions (n, 3) in O, both finite.
+
+    input_id: the number that whoever asked for the tracker's last trajectory gave it; None: the tracker does not tell
+    """
 
     times_s: Array
     positions_O: Array
+    input_id: Optional[int] = None
 
     @property
     def is_usable(self) -> bool:
@@ -60,6 +65,12 @@ class Prediction:
         return bool(is_fitting and len(self.times_s) > 0 and np.isfinite(self.times_s).all()
                     and np.isfinite(self.positions_O).all() and (np.diff(self.times_s) > 0.0).all())
 
+    @property
+    def across_m(self) -> float:
+        """The horizontal distance from the first to the last position."""
+        way = self.positions_O[-1] - self.positions_O[0]
+        return float(np.hypot(way[0], way[1]))
+
     def at(self, time_s: float) -> Optional[Array]:
         """Returns the position at a time; None outside the predicted time."""
         if not self.times_s[0] <= time_s <= self.times_s[-1]:
@@ -67,18 +78,48 @@ class Prediction:
         return np.array([np.interp(time_s, self.times_s, self.positions_O[:, axis]) for axis in range(3)])
 
 
+class TrackerState(enum.Enum):
+    """What the active tracker is doing. The values are those of mrs_msgs/TrackerStatus."""
+
+    INVALID = 0
+    IDLE = 1
+    TAKE_OFF = 2
+    HOVER = 3
+    REFERENCE = 4
+    TRAJECTORY = 5
+    LAND = 6
+
+
+# States of a tracker that holds the vehicle in the air, or brings it down.
+IN_AIR = (TrackerState.HOVER, TrackerState.REFERENCE, TrackerState.TRAJECTORY, TrackerState.LAND)
+
+
 @dataclass(frozen=True)
 class Control:
     """The diagnostics of the control manager and its tracker."""
 
-    is_flying: bool  # flies normally, neither takes off nor lands
+    # False during take-off and landing, under remote control, in an emergency, while the bumper repels the vehicle, and
+    # after the callbacks of the control manager were disabled.
+    is_flying: bool
     accepts_goals: bool  # callbacks are enabled; MRS takes them away while the tracker brakes to hover
     is_tracking: bool  # the tracker follows a trajectory
     is_repelling: bool = False  # the bumper of the control manager moves the vehicle away from something
+    is_remote: bool = False  # a pilot flies the vehicle by remote control
+    has_output: bool = True  # the control manager commands the vehicle at all
+    has_goal: bool = False  # the tracker moves to a reference, or follows a trajectory
+    state: TrackerState = TrackerState.INVALID
+    tracker: str = ""  # names of the active tracker and controller, for people
+    controller: str = ""
 
     @property
     def is_free(self) -> bool:
         return self.is_flying and self.accepts_goals
+
+    @property
+    def is_on_ground(self) -> bool:
+        """True if nobody flies the vehicle. The control manager reports flight by others as not flying normally."""
+        is_held = self.has_output and self.state in IN_AIR
+        return not (self.is_flying or self.is_repelling or self.is_remote or is_held)
 
 
 @dataclass(frozen=True)
@@ -115,12 +156,12 @@ class Inputs:
     @property
     def is_on_ground(self) -> bool:
         """True if the vehicle is known not to fly."""
-        return self.control is not None and not self.control.value.is_flying
+        return self.control is not None and self.control.value.is_on_ground
 
     @property
     def is_in_air(self) -> bool:
-        """True if the vehicle is known to fly."""
-        return self.control is not None and self.control.value.is_flying
+        """True if the vehicle is known to fly, whoever flies it."""
+        return self.control is not None and not self.control.value.is_on_ground
 
 
 def problem_of_limits(values: Sequence[float]) -> str:

@@ -12,7 +12,7 @@ from voxnav.planning_manager.progress import GoalProgress
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import (Active, Generating, Goal, Idle, Moving, Planning, Publishing, Searching,
                                             State)
-from voxnav.planning_manager.stopping import lose, repeat_hover, stop
+from voxnav.planning_manager.stopping import is_flown_by_others, lose, repeat_hover, stop, stop_late
 from voxnav.planning_manager.takeover import drop_goal, taken_over, watch
 
 
@@ -22,9 +22,9 @@ def tick(state: State, facts: Facts) -> Step:
     theirs = taken_over(state, facts)
     if theirs is not None:
         return drop_goal(theirs)
-    if not isinstance(state, Moving) and state.hover is not None and facts.inputs.is_on_ground:
-        state = replace(state, hover=None)  # a vehicle on the ground does not hover
-    stopping = repeat_hover(state, facts)
+    if not isinstance(state, Moving) and state.hover is not None and is_flown_by_others(facts):
+        state = replace(state, hover=None)  # a vehicle on the ground, or flown by somebody else, is not to hover
+    stopping = stop_late(state, facts) or repeat_hover(state, facts)
     if stopping is not None:
         return stopping
     missing = facts.missing()

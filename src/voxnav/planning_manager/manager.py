@@ -15,6 +15,7 @@ from voxnav.planning_manager.facts import Facts, Step
 from voxnav.planning_manager.generated import Generated
 from voxnav.planning_manager.inputs import (Control, Fencing, Frames, Inputs, Limits, Prediction, Timed, Vehicle,
                                             jump_m, problem_of_limits)
+from voxnav.planning_manager.owners import who_flies
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.refusal import refusal_of
 from voxnav.planning_manager.states import Goal, Idle, Moving, Planning, State, flight_of
@@ -60,9 +61,13 @@ class PlanningManager:
         self._jump_m = max(self._jump_m, jump_m(self._inputs.vehicle, timed))
         self._inputs = replace(self._inputs, vehicle=timed)
 
-    def set_prediction(self, stamp_s: float, times_s: Sequence[float], positions_O: Array) -> None:
-        """Sets the tracker's prediction; one that is not usable counts as lost. positions_O: (n, 3)."""
-        prediction = Prediction(np.asarray(times_s, dtype=float), np.asarray(positions_O, dtype=float))
+    def set_prediction(self, stamp_s: float, times_s: Sequence[float], positions_O: Array,
+                       input_id: Optional[int] = None) -> None:
+        """Sets the tracker's prediction; one that is not usable counts as lost.
+
+        positions_O: (n, 3); input_id: the number of the tracker's last trajectory, None if it does not tell
+        """
+        prediction = Prediction(np.asarray(times_s, dtype=float), np.asarray(positions_O, dtype=float), input_id)
         if prediction.is_usable:
             self._inputs = replace(self._inputs, prediction=Timed(stamp_s, prediction))
 
@@ -110,7 +115,9 @@ class PlanningManager:
             return "goal is below the lowest altitude of %.1f m" % low
         if position[2] > high:
             return "goal is above the highest altitude of %.1f m" % high
-        self._status.refusal = refusal_of(position, self._inputs) or self.judge(position)
+        control = self._facts(now_s).control
+        pilot = who_flies(control.value) if control is not None and control.value.is_remote else None
+        self._status.refusal = pilot or refusal_of(position, self._inputs) or self.judge(position)
         if self._status.refusal is not None:
             return self._status.refusal.sentence
         self._status.is_goal_reached = False
@@ -166,10 +173,11 @@ class PlanningManager:
         """Takes the generator's answer: a trajectory, or why there is none."""
         return self._take(flying.generate_done(self._state, job, generated, self._facts(now_s)))
 
-    def publish_done(self, job: int, problem: str, now_s: float) -> List[Action]:
+    def publish_done(self, job: int, problem: str, now_s: float, is_modified: bool = False) -> List[Action]:
+        """Takes the control manager's answer to a trajectory. is_modified: it flies another one than was asked for."""
         if self._is_current(job) and not problem:
             self._status.num_trajectories += 1
-        return self._take(flying.publish_done(self._state, job, problem, self._facts(now_s)))
+        return self._take(flying.publish_done(self._state, job, problem, self._facts(now_s), is_modified))
 
     def hover_done(self, problem: str, now_s: float) -> List[Action]:
         return self._take(stopping.hover_answered(self._state, problem, self._facts(now_s)))

@@ -4,6 +4,7 @@
 from typing import Any, Optional, TypeVar
 
 from voxnav.planning_manager.inputs import Inputs, Timed
+from voxnav.planning_manager.owners import who_flies
 from voxnav.planning_manager.reasons import Because, Reason
 
 T = TypeVar("T")
@@ -26,10 +27,9 @@ def _missing_vehicle(inputs: Inputs, now_s: float, config: Any) -> Optional[Beca
                        config.diagnostics_timeout_s))
     if old is not None or inputs.control is None:
         return old
-    if not inputs.control.value.is_flying:
-        return Because(Reason.NOT_FLYING, "not flying")
-    if inputs.control.value.is_repelling:
-        return Because(Reason.REPELLED, "the bumper repels the vehicle")
+    others = who_flies(inputs.control.value)
+    if others is not None:
+        return others
     if not inputs.control.value.accepts_goals:
         return Because(Reason.TRACKER_REFUSES, "tracker does not accept goals")
     return None

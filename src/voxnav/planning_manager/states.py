@@ -110,6 +110,7 @@ class Idle:
     goal: Optional[Goal] = None  # a kept goal: the flight resumes once nothing is missing any more
     hover: Optional[OwnHover] = None
     danger: Optional[Because] = None  # what is wrong with the way on which somebody else flies the vehicle
+    late_s: Optional[float] = None  # when the tracker answered that it took a trajectory that nobody wants any more
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,15 +6,30 @@ from typing import Optional
 
 from voxnav.planning_manager.actions import Hover, Means
 from voxnav.planning_manager.facts import Facts, Step
+from voxnav.planning_manager.input_ids import is_own
+from voxnav.planning_manager.owners import who_flies
 from voxnav.planning_manager.reasons import Because, Reason
 from voxnav.planning_manager.states import (Active, Goal, Idle, Leads, Moving, OwnHover, Planning, Publishing,
                                             State, flight_of, own_hover)
 from voxnav.planning_manager.stops import stop_for
 
+TOO_LATE = "brake: a trajectory was accepted too late"
 # A stop that no means achieves is tried again after this time.
 HOVER_RETRY_S = 1.0
 # The next stronger means after a refused one.
 STRONGER = {Means.FOLLOW: Means.HOVER, Means.CLIMB: Means.HOVER, Means.HOVER: Means.EHOVER}
+
+# Reasons for which voxnav must not command the vehicle at all.
+FLOWN_BY_OTHERS = frozenset((Reason.REPELLED, Reason.REMOTE_CONTROL, Reason.LANDING, Reason.NOT_NORMAL))
+
+
+def is_flown_by_others(facts: Facts) -> bool:
+    """Returns True if somebody else flies the vehicle, or nobody does: then it is not told to hover either.
+
+    An emergency hover in particular would take it from the pilot.
+    """
+    control = facts.control
+    return control is not None and who_flies(control.value) is not None
 
 
 def is_in_motion(state: State) -> bool:
@@ -64,8 +79,9 @@ def lose(state: State, missing: Because, facts: Facts) -> Step:
     stopping = own_hover(state)
     if missing.reason is Reason.TRACKER_REFUSES and stopping is not None:
         return state, ()  # the tracker brakes because voxnav asked for a hover, whose reason stands already
-    if missing.reason is Reason.REPELLED:
-        return Idle(missing, state.goal), ()  # whatever voxnav asked for, the control manager does not do it now
+    if missing.reason in FLOWN_BY_OTHERS:
+        # Nothing is commanded: whatever voxnav asked for, it is not what the vehicle does now.
+        return (state if state.goal is None else Idle(missing.with_prefix("waiting: "), state.goal)), ()
     if is_in_motion(state):
         stopping, hover = stop_for(missing, facts.flown(flight_of(state)), facts)
         return Idle(missing.with_prefix("hover: "), state.goal, stopping), (hover,)
@@ -94,6 +110,22 @@ def repeat_hover(state: State, facts: Facts) -> Optional[Step]:
     return _ask_again(state, stopping, Means.HOVER, facts)
 
 
+def stop_late(state: State, facts: Facts) -> Optional[Step]:
+    """Stops a trajectory of voxnav that the tracker took too late, unless somebody else has ended it since.
+
+    Newer diagnostics tell whether it is flown. None if there is nothing to stop, or not yet.
+    """
+    timed, prediction = facts.control, facts.inputs.prediction
+    if not isinstance(state, Idle) or state.late_s is None or timed is None or timed.stamp_s <= state.late_s:
+        return None
+    state, input_id = replace(state, late_s=None), None if prediction is None else prediction.value.input_id
+    is_flown = timed.value.is_free and timed.value.is_tracking and (input_id is None or is_own(input_id))
+    if not is_flown:
+        return state, ()
+    stopping, hover = stop_for(Because(Reason.BRAKE, TOO_LATE), None, facts)
+    return replace(state, hover=stopping), (hover,)
+
+
 def hover_answered(state: State, problem: str, facts: Facts) -> Step:
     """Takes the answer to a hover. If it is refused while the vehicle moves, the next stronger means follows at once.
 
@@ -108,7 +140,7 @@ def hover_answered(state: State, problem: str, facts: Facts) -> Step:
     state = replace(state, because=_with_failure(stopping.because, stopping))
     stronger = STRONGER.get(stopping.means)
     is_at_rest = facts.is_vehicle_known and not facts.is_in_motion
-    if stronger is None or (stronger is Means.EHOVER and is_at_rest):
+    if stronger is None or (stronger is Means.EHOVER and (is_at_rest or is_flown_by_others(facts))):
         return replace(state, hover=replace(stopping, sent_s=facts.now_s)), ()
     return _ask_again(state, stopping, stronger, facts)
 
