@@ -9,13 +9,13 @@ import yaml
 
 roslaunch = pytest.importorskip("roslaunch")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-ARGUMENTS = {"nodes": ["UAV_NAME:=uav1"], "voxnav": ["UAV_NAME:=uav1"], "bag": [], "simulation": []}
+ARGUMENTS = {"nodes": ["UAV_NAME:=uav1"], "voxnav": ["UAV_NAME:=uav1", "RUN_TYPE:=realworld"], "bag": [],
+             "simulation": []}
 NODES = {"cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer", "planning_manager"}
 
 
 def loaded(name, *arguments):
     path = os.path.join(ROOT, "launch", name + ".launch")
-    os.environ.setdefault("BOND", "")
     return roslaunch.config.load_config_default([(path, ARGUMENTS[name] + list(arguments))], None, verbose=False,
                                                 assign_machines=False)
 
@@ -108,16 +108,19 @@ def test_a_speed_limit_chooses_the_constraints(asked, initial, limit):
     assert params["/uav1/uav_simulator/constraints/max_speed_mps"].value == limit
 
 
-@pytest.mark.parametrize("run_type", [None, "", "realworld", "uav", "Simulation", "simulation"])
-def test_time_is_simulated_only_where_run_type_is_simulation(run_type, monkeypatch):
+@pytest.mark.parametrize("run_type", [None, "", "uav", "Simulation", "realworld", "simulation"])
+def test_it_starts_only_if_it_is_told_whether_the_vehicle_is_real(run_type, monkeypatch):
     monkeypatch.delenv("RUN_TYPE", raising=False)
+    monkeypatch.setitem(ARGUMENTS, "voxnav", ["UAV_NAME:=uav1"])
     if run_type is not None:
         monkeypatch.setenv("RUN_TYPE", run_type)
+    if run_type not in ("realworld", "simulation"):
+        with pytest.raises(roslaunch.core.RLException, match="RUN_TYPE_must_be_realworld_or_simulation"):
+            loaded("voxnav")
+        return
     params = loaded("voxnav").params
-    if run_type == "simulation":
-        assert params["/use_sim_time"].value is True
-    else:
-        assert "/use_sim_time" not in params
+    assert ("/use_sim_time" in params) == (run_type == "simulation")
+    assert run_type == "realworld" or params["/use_sim_time"].value is True
 
 
 def test_a_custom_configuration_wins(tmp_path):
@@ -128,6 +131,70 @@ def test_a_custom_configuration_wins(tmp_path):
         config = loaded(name, "custom_config:=" + path)
         assert config.params["/uav1/local_mapper/map/resolution_m"].value == 0.2
         assert config.params["/uav1/local_mapper/map/max_range_m"].value == 26.0
+
+
+def write(path, text):
+    path.write_text(text)
+    return str(path)
+
+
+def test_configurations_are_layers_of_which_the_custom_one_wins(tmp_path, monkeypatch):
+    layers = ["network", "world", "platform", "custom"]
+    for count, layer in enumerate(layers, 1):
+        values = ", ".join("%s: %s" % (name, layers.index(layer)) for name in layers[:count])
+        write(tmp_path / (layer + ".yaml"), "of_the_test: {%s}\nmrs_uav_managers: {of: %s}\n" % (values, layer))
+    arguments = ["%s_config:=%s.yaml" % (layer, layer) for layer in layers]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PWD", str(tmp_path))  # relative paths are those of the shell that called roslaunch
+    params = loaded("voxnav", *arguments).params
+    assert [params["/uav1/of_the_test/" + layer].value for layer in layers] == [3, 3, 3, 3]
+    without = loaded("voxnav", *arguments[:-1]).params
+    assert [without["/uav1/of_the_test/" + layer].value for layer in layers[:-1]] == [2, 2, 2]
+    for layer in layers:
+        monkeypatch.setenv(layer.upper() + "_CONFIG", str(tmp_path / (layer + ".yaml")))
+    assert loaded("voxnav").params["/uav1/of_the_test/custom"].value == 3
+    with pytest.raises(roslaunch.core.RLException, match="no_such_file"):
+        loaded("voxnav", "custom_config:=no_such_file.yaml")
+
+
+@pytest.mark.parametrize("bond", ["false", "0", "--no-bond"])
+def test_without_bonds_every_nodelet_has_a_process_that_is_started_again(bond, monkeypatch):
+    """A nodelet notices by its bond alone that its manager died."""
+    with_bond = loaded("voxnav", "depth_cameras:=front=front/depth/image_rect_raw")
+    monkeypatch.setenv("BOND", bond)
+    without = loaded("voxnav", "depth_cameras:=front=front/depth/image_rect_raw")
+    assert nodes_of(with_bond) - nodes_of(without) == {"voxnav_nodelet_manager"}
+    nodelets = [node for node in without.nodes if node.package == "nodelet"]
+    assert len(nodelets) == 5
+    for node in nodelets:
+        assert node.args.startswith("standalone ") and node.respawn
+    for node in with_bond.nodes:
+        assert "--no-bond" not in node.args and "false" not in node.args
+
+
+EVERY_LAUNCH_FILE = {"nodes": ARGUMENTS["nodes"], "voxnav": ARGUMENTS["voxnav"], "bag": [], "simulation": [],
+                     "sensors": ["kind:=lidar", "sensors:=rear=/points", "nodelet:=load", "manager:=manager",
+                                 "launch_prefix:=nice", "lockstep:=false"],
+                     "config": ["file:=" + os.path.join(ROOT, "config", "simulation.yaml")], "rviz": []}
+
+
+def test_every_launch_file_is_known_to_the_next_test():
+    names = {os.path.splitext(name)[0] for name in os.listdir(os.path.join(ROOT, "launch"))}
+    assert names == set(EVERY_LAUNCH_FILE)
+
+
+@pytest.mark.parametrize("name", sorted(EVERY_LAUNCH_FILE))
+def test_roslaunch_tells_the_nodes_of_every_launch_file_and_the_arguments_of_each(name, capsys):
+    """As `roslaunch --nodes` and `roslaunch --args`, which need the program of every node to exist."""
+    node_args = pytest.importorskip("roslaunch.node_args")
+    files = [(os.path.join(ROOT, "launch", name + ".launch"), EVERY_LAUNCH_FILE[name])]
+    node_args.print_node_list(files)
+    names = capsys.readouterr().out.split()
+    assert bool(names) == (name != "config")
+    for node in names:
+        node_args.print_node_args(node, files)
+        words = capsys.readouterr().out.split()
+        assert "__name:=" + node.split("/")[-1] in words and any(os.access(word, os.X_OK) for word in words)
 
 
 def published():
@@ -165,14 +232,49 @@ def test_everything_coloured_by_height_has_one_scale(name):
         assert display["Axis"] == "Z" and display["Use rainbow"] and display.get("Use Fixed Frame", True)
 
 
-def test_the_tmux_session_uses_files_and_arguments_that_exist():
-    directory = os.path.join(ROOT, "tmux", "forest")
-    with open(os.path.join(directory, "session.yml")) as source:
-        text = source.read()
-    yaml.safe_load(text)
-    for path in re.findall(r"\./(config/[\w.]+)|`pwd`/(config/[\w.]+)", text):
-        assert os.path.exists(os.path.join(directory, max(path)))
-    command = re.search(r"roslaunch voxnav (\w+)\.launch(.*)", text)
-    arguments = [word for word in command.group(2).split() if ":=" in word]
-    own = os.path.join(directory, "config", "voxnav.yaml")
-    loaded(command.group(1), *[re.sub(":=.*voxnav.yaml", ":=" + own, word) for word in arguments])
+# What the session starts of other packages, as it was found in their branches `master` and, where it is named, `devel`.
+FILES_OF_MRS = {
+    "mrs_uav_gazebo_simulation": {"launch/simulation.launch", "config/mrs_uav_system/x500.yaml"},
+    "mrs_uav_status": {"launch/status.launch"}, "mrs_uav_px4_api": {"launch/api.launch"},
+    "mrs_uav_core": {"launch/core.launch"}, "mrs_uav_autostart": {"launch/automatic_start.launch"},
+    "mrs_rviz_plugins": {"launch/load_robot.launch"}}
+SESSION = os.path.join(ROOT, "tmux", "forest")
+
+
+def session_commands():
+    with open(os.path.join(SESSION, "session.yml")) as source:
+        session = yaml.safe_load(source)
+    exported = dict(re.findall(r"export (\w+)=(\w+)", session["pre_window"]))
+    panes = [pane for window in session["windows"] for part in window.values() for pane in part["panes"]]
+    return exported, panes
+
+
+def test_every_file_that_the_tmux_session_names_exists(monkeypatch):
+    exported, panes = session_commands()
+    text = "\n".join(panes).replace("$UAV_TYPE", exported["UAV_TYPE"])
+    own = re.findall(r"\./([\w./]+)", text)
+    assert len(own) >= 5
+    for path in own:
+        assert os.path.isfile(os.path.join(SESSION, path)), path
+    named = [(package, "launch/" + name) for package, name in re.findall(r"roslaunch (\w+) (\w+\.launch)", text)]
+    named += re.findall(r"`rospack find (\w+)`/([\w./]+)", text)
+    assert {package for package, _ in named} == set(FILES_OF_MRS) | {"voxnav"}
+    for package, path in named:
+        assert os.path.isfile(os.path.join(ROOT, path)) if package == "voxnav" else path in FILES_OF_MRS[package]
+
+
+def test_the_tmux_session_starts_voxnav_with_arguments_that_it_has(monkeypatch):
+    exported, panes = session_commands()
+    for name, value in exported.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setenv("PWD", SESSION)
+    monkeypatch.setitem(ARGUMENTS, "voxnav", [])
+    monkeypatch.setitem(ARGUMENTS, "rviz", [])
+    started = [re.search(r"roslaunch voxnav (\w+)\.launch(.*)", pane) for pane in panes if "roslaunch voxnav" in pane]
+    assert [command.group(1) for command in started] == ["voxnav", "rviz"]
+    for command in started:
+        config = loaded(command.group(1), *command.group(2).split())
+        assert config.nodes and not config.config_errors
+        for argument in command.group(2).split():
+            assert 'name="%s"' % argument.split(":=")[0] in open(
+                os.path.join(ROOT, "launch", command.group(1) + ".launch")).read()

@@ -20,6 +20,7 @@ RUN_BY = {
     "livox_cloud": "test/rostest/recording_nodes.test",
     "planning_manager": "test/rostest/planning_manager.test",
     "recording_mount": "test/rostest/recording_nodes_test.py",
+    "rviz_view": "test/python/test_rviz_view.py",
     "submap_optimizer": "test/rostest/submap_optimizer.test",
     "dev/build_deb": "Makefile",
     "dev/build_workspace": "Makefile",
