@@ -57,7 +57,8 @@ class Tracker {
   HeadedPoint goal() const;
   std::size_t trajectory_index() const;
   std::size_t trajectory_size() const { return trajectory_ ? trajectory_->spline.size() : 0; }
-  std::int64_t input_id() const { return trajectory_ ? trajectory_->input_id : 0; }
+  /// The number of the last trajectory, which a goal does not change, as in the MPC tracker of the MRS system.
+  std::int64_t input_id() const { return input_id_; }
 
   /// Returns the state `num_steps` steps ahead, at most kMaxSteps. It is computed on the first call and then kept.
   const KinematicState& predicted(std::size_t num_steps);
@@ -74,7 +75,6 @@ class Tracker {
     Spline spline;
     bool use_heading;
     bool is_loop;
-    std::int64_t input_id;
     Vec3 offset = Vec3::Zero();  ///< by which the frame has jumped since
   };
   Motion next(const Motion& motion) const;
@@ -84,6 +84,7 @@ class Tracker {
   std::shared_ptr<const Followed> trajectory_;
   std::optional<double> floor_m_;
   double speed_ratio_ = 1.0;
+  std::int64_t input_id_ = 0;
   Motion now_;
   std::deque<Motion> ahead_;  ///< ahead_[i] is i + 1 steps ahead
 };

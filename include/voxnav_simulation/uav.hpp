@@ -81,6 +81,10 @@ class Uav {
   CommandResult go_to(const HeadedPoint& goal_O);
   CommandResult set_trajectory(const TrackedTrajectory& trajectory_O);
   void set_limits(const TrackerLimits& limits) { tracker_.set_limits(limits); }
+  /// Lets the control manager take commands, or refuse all of them.
+  void enable_callbacks(bool is_enabled) { has_callbacks_ = is_enabled; }
+  /// Lets a pilot take the vehicle by remote control, and first hold it where it is, or give it back.
+  CommandResult set_remote(bool is_remote);
 
   FlightPhase phase() const { return phase_; }
   const BodyState& truth() const { return truth_; }        ///< in W
@@ -92,6 +96,11 @@ class Uav {
   std::uint32_t estimator_iteration() const { return estimator_iteration_; }
   /// Whether an obstacle repels the vehicle, so that callbacks are disabled.
   bool is_repelled() const { return is_repelled_; }
+  bool is_remote() const { return is_remote_; }
+  /// Whether the vehicle flies to what it is told: in the air, and nobody else has it.
+  bool is_flying_normally() const {
+    return phase_ == FlightPhase::kFlying && has_callbacks_ && !is_remote_ && !is_repelled_;
+  }
   /// Whether the vehicle flies over another one.
   bool is_avoiding() const { return climb_.floor_m().has_value(); }
   /// Returns the height of the body above the ground, or nothing outside of the world.
@@ -139,6 +148,8 @@ class Uav {
   RefusalsConfig refusals_;
   bool is_free_;  ///< whether the body moves by its own response and not exactly as the tracker
   bool is_repelled_ = false;
+  bool has_callbacks_ = true;
+  bool is_remote_ = false;
 };
 
 /// Returns the orientation of a multirotor whose thrust gives this acceleration. Seen from above, the body's x axis

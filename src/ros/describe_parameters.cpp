@@ -24,9 +24,11 @@
 #ifdef VOXNAV_HAS_SIMULATION
 #include "voxnav_simulation/depth_camera.hpp"
 #include "voxnav_simulation/depth_camera_simulator_config.hpp"
+#include "voxnav_simulation/estimator_switches.hpp"
 #include "voxnav_simulation/lidar_config.hpp"
 #include "voxnav_simulation/lidar_simulator_config.hpp"
 #include "voxnav_simulation/losses.hpp"
+#include "voxnav_simulation/safety_area.hpp"
 #include "voxnav_simulation/service_times.hpp"
 #include "voxnav_simulation/trajectory_generator.hpp"
 #include "voxnav_simulation/uav.hpp"
@@ -114,6 +116,7 @@ int main() {
          section<simulation::WindConfig>("wind"), section<simulation::StateNoiseConfig>("state_noise"),
          section<simulation::RefusalsConfig>("refusals"), section<simulation::AvoidanceConfig>("avoidance"),
          section<simulation::BumperConfig>("bumper"), section<simulation::EstimatorResetsConfig>("resets"),
+         section<simulation::EstimatorSwitchesConfig>("switches"), section<simulation::SafetyAreaConfig>("safety_area"),
          section<simulation::ServiceTimesConfig>("services"), section<simulation::LossesConfig>("losses")});
 #endif
   print("submap_integrator",

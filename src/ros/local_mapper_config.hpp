@@ -33,7 +33,8 @@ struct LocalMapperConfig {
     using C = LocalMapperConfig;
     using voxnav::base::any;
     using voxnav::base::in;
-    v("odometry_frame", &C::odometry_frame, any(), "", "frame O of the map: continuous, may drift");
+    v("odometry_frame", &C::odometry_frame, any(), "",
+      "frame O of the map: continuous, may drift; empty: that of ~uav_state_in, also after a switch of the estimator");
     v("body_frame", &C::body_frame, any(), "", "frame B of the UAV");
     v("pose_source", &C::pose_source, voxnav::base::one_of<MapperPoses>(), "",
       "tf: poses of the sensor by tf; odometry: of the body from ~odometry_in, by tf only where the sensor sits on it");
@@ -57,6 +58,9 @@ struct LocalMapperConfig {
 inline std::vector<std::string> LocalMapperConfig::problems() const {
   const std::set<std::string> taken{"map", "submap", "mapper", "load", "node", "time"};
   std::vector<std::string> out;
+  if (odometry_frame.empty() && pose_source == MapperPoses::kOdometry) {
+    out.emplace_back("odometry_frame must be named where pose_source is odometry");
+  }
   if (sensors.empty()) out.emplace_back("sensors must hold at least one name");
   std::set<std::string> known;
   for (const std::string& name : sensors) {

@@ -40,7 +40,9 @@ void LocalMapperNodelet::initialize() {
   params.finish();
   limits_ = mapper.sensors;
   uses_odometry_ = config_.pose_source == MapperPoses::kOdometry;
-  tf_ = std::make_unique<TfLocator>(frame_name(config_.odometry_frame), frame_name(config_.body_frame));
+  follows_estimator_ = config_.odometry_frame.empty();
+  frame_ = frame_name(config_.odometry_frame);
+  tf_ = std::make_unique<TfLocator>(frame_, frame_name(config_.body_frame));
   const pipeline::SweepLocator* locator = tf_.get();
   if (uses_odometry_) locator = &poses_;
   poses_.set_max_gap(voxnav::base::from_seconds(mapper.max_pose_gap_s));
@@ -57,6 +59,8 @@ void LocalMapperNodelet::advertise() {
     sensors_.back().progress_part = i == 0 ? "" : name;
     sensors_.back().topic = nh.resolveName(points_in(i, name));
   }
+  origin_ = nh.advertise<msg::OdometryOrigin>("origin_out", 5, true);
+  if (!follows_estimator_) announce_origin(ros::Time(), "", std::nullopt);
   updates_ = nh.advertise<msg::GridUpdate>("map_out", 20);
   handovers_ = nh.advertise<msg::Handover>("handover_out", 20);
   occupied_ = nh.advertise<sensor_msgs::PointCloud2>("occupied_out", 1, true);
@@ -106,10 +110,9 @@ void LocalMapperNodelet::on_points(std::size_t sensor, const sensor_msgs::PointC
 void LocalMapperNodelet::on_odometry(const nav_msgs::OdometryConstPtr& msg) {
   clock().reach(msg->header.stamp);
   const auto T_O_B = from_msg(msg->pose.pose);
-  if (frame_name(msg->header.frame_id) != frame_name(config_.odometry_frame) ||
-      frame_name(msg->child_frame_id) != frame_name(config_.body_frame)) {
+  if (frame_name(msg->header.frame_id) != frame_ || frame_name(msg->child_frame_id) != frame_name(config_.body_frame)) {
     warn("odometry from '" + msg->header.frame_id + "' to '" + msg->child_frame_id + "' is refused, it must be from '" +
-         config_.odometry_frame + "' to '" + config_.body_frame + "'");
+         frame_ + "' to '" + config_.body_frame + "'");
   } else if (!T_O_B || !poses_.add(to_ns(msg->header.stamp), *T_O_B)) {
     diagnostics().set_counter("poses_refused", static_cast<double>(++num_poses_refused_));
   }
@@ -169,13 +172,13 @@ void LocalMapperNodelet::leave_out(const pipeline::MapperStep& step) {
 
 std_msgs::Header LocalMapperNodelet::header(const ros::Time& stamp) const {
   std_msgs::Header out;
-  out.frame_id = config_.odometry_frame;
+  out.frame_id = frame_;
   out.stamp = stamp;
   return out;
 }
 
 GridUpdateHeader LocalMapperNodelet::update_header(const ros::Time& stamp) const {
-  return {config_.odometry_frame, to_ns(stamp), sequence_, mapper_->map().config().resolution_m};
+  return {frame_, to_ns(stamp), sequence_, mapper_->map().config().resolution_m};
 }
 
 /// The first message is a snapshot. Afterwards listeners follow the changes, and request a snapshot if they missed
@@ -212,7 +215,7 @@ void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
 
 void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handovers) {
   for (const pipeline::Handover& handover : handovers) {
-    const msg::Handover msg = to_msg(handover, config_.odometry_frame);
+    const msg::Handover msg = to_msg(handover, frame_);
     announce_work(msg.header.stamp);
     handovers_.publish(msg);
     NODELET_INFO_STREAM("[" << node() << "]: submap " << handover.submap_id
@@ -223,11 +226,6 @@ void LocalMapperNodelet::hand_over(const std::vector<pipeline::Handover>& handov
 
 void LocalMapperNodelet::on_quality(const msg::OdometryQualityConstPtr& msg) {
   if (msg->state == msg::OdometryQuality::COASTING) mapper_->request_close("odometry");
-}
-
-void LocalMapperNodelet::on_uav_state(const mrs_msgs::UavStateConstPtr& msg) {
-  if (estimator_iteration_ && *estimator_iteration_ != msg->estimator_iteration) mapper_->request_close("estimator");
-  estimator_iteration_ = msg->estimator_iteration;
 }
 
 }  // namespace voxnav_ros

@@ -15,6 +15,7 @@
 #include "mapper_sensor.hpp"
 #include "tf_locator.hpp"
 #include "voxnav/GetGrid.h"
+#include "voxnav/OdometryOrigin.h"
 #include "voxnav/OdometryQuality.h"
 #include "voxnav/pipeline/mapper.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
@@ -43,6 +44,9 @@ class LocalMapperNodelet : public NodeletBase {
   void on_odometry(const nav_msgs::OdometryConstPtr& msg);
   void on_quality(const msg::OdometryQualityConstPtr& msg);
   void on_uav_state(const mrs_msgs::UavStateConstPtr& msg);
+  void follow_estimator(const std::string& frame, const ros::Time& stamp);
+  void announce_origin(const ros::Time& stamp, const std::string& previous,
+                       const std::optional<voxnav::geometry::Pose>& T_O_previous);
   void find_mount(std::size_t sensor, const std::string& sensor_frame);
   void process();
   void map_next();
@@ -73,7 +77,10 @@ class LocalMapperNodelet : public NodeletBase {
   bool on_close_submap(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   LocalMapperConfig config_;
-  bool uses_odometry_ = false;  // whether poses come from odometry messages instead of tf
+  bool uses_odometry_ = false;      // whether poses come from odometry messages instead of tf
+  bool follows_estimator_ = false;  // whether the origin of the map is that of the active estimator
+  std::string frame_;               // frame O of the map; empty while it is not known
+  ros::Time switched_;  // when uav_state was first in a frame whose relation to frame_ is looked for; zero: never
   std::unique_ptr<TfLocator> tf_;
   pipeline::PoseLocator poses_;  // poses of ~odometry_in
   std::unique_ptr<pipeline::Mapper> mapper_;
@@ -86,7 +93,7 @@ class LocalMapperNodelet : public NodeletBase {
   double work_s_ = 0.0;  // on the scans since the last one that led
   ros::SteadyTime warned_;
   ros::Time map_stamp_, last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
-  ros::Publisher updates_, handovers_, occupied_, octomap_;
+  ros::Publisher origin_, updates_, handovers_, occupied_, octomap_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber odometry_, quality_, uav_state_;
   ros::SteadyTimer overdue_;

@@ -23,7 +23,7 @@ void SubmapIntegratorNodelet::initialize() {
   params.section("collection", &collection_config_);
   params.finish();
   map_frame_ = config_.map_frame;
-  odometry_frame_ = config_.odometry_frame;
+  origins_.begin(config_.odometry_frame);
   make_assembler();
   map_ = std::make_unique<MergedMap>(collection_config_, config_.safety_distance_m);
   pictures_ = std::make_unique<SubmapPictures>(config_);
@@ -56,6 +56,7 @@ void SubmapIntegratorNodelet::start() {
                                          &SubmapIntegratorNodelet::on_snapshot_time, this);
   handover_ =
       nh.subscribe("handover_in", 20, &SubmapIntegratorNodelet::on_handover, this, ros::TransportHints().tcpNoDelay());
+  origin_ = nh.subscribe("origin_in", 5, &SubmapIntegratorNodelet::on_origin, this, ros::TransportHints().tcpNoDelay());
   poses_ =
       nh.subscribe("submap_poses_in", 5, &SubmapIntegratorNodelet::on_poses, this, ros::TransportHints().tcpNoDelay());
 }
@@ -95,14 +96,14 @@ void SubmapIntegratorNodelet::refuse(const std::string& what, const std::string&
 
 void SubmapIntegratorNodelet::on_handover(const msg::HandoverConstPtr& msg) {
   enqueue("handover", [this, msg] {
-    if (!msg->header.frame_id.empty()) odometry_frame_ = msg->header.frame_id;
-    take_handover(from_msg(*msg));
+    take_handover(from_msg(*msg), msg->header.frame_id);
     diagnostics().add_latency("handover", msg->header.stamp);
     publish_progress(msg->header.stamp);
   });
 }
 
-void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& handover) {
+void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& handover, const std::string& frame) {
+  const voxnav::geometry::Pose T_now_O = into_origin(frame);
   voxnav::pipeline::SubmapAssembler::Result result;
   if (handover.is_final) {
     const auto timer = diagnostics().time("finish");
@@ -114,7 +115,9 @@ void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& ha
     diagnostics().add_dropped("early content");
     NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << *result.dropped);
   }
-  if (result.submap) add(std::move(*result.submap));
+  if (!result.submap) return;
+  result.submap->T_O_S = T_now_O * result.submap->T_O_S;
+  add(std::move(*result.submap));
 }
 
 void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
@@ -123,7 +126,7 @@ void SubmapIntegratorNodelet::add(submap::SubmapEntry entry) {
   // After a map was loaded, ids that begin again at a low number are shifted behind the ids of that map.
   if (!id_shift_) id_shift_ = entry.id >= first_id_ ? 0 : first_id_ - entry.id;
   entry.id += *id_shift_;
-  const msg::FinishedSubmap msg = to_msg(entry, odometry_frame_);
+  const msg::FinishedSubmap msg = to_msg(entry, origins_.frame());
   announce_work(msg.header.stamp);
   submap_.publish(msg);
   newest_id_ = entry.id;
@@ -201,7 +204,7 @@ void SubmapIntegratorNodelet::take_poses(const msg::SubmapPoses& msg) {
   const std::vector<voxnav::geometry::Pose> poses = valid_poses(msg.T_W_S, "T_W_S");
   const std::vector<voxnav::geometry::Bend> bends = bends_of(msg);
   if (!msg.header.frame_id.empty()) map_frame_ = msg.header.frame_id;
-  T_W_O_ = *T_W_O;
+  if (msg.odometry_frame.empty() || msg.odometry_frame == origins_.frame()) T_W_O_ = *T_W_O;
   for (std::size_t i = 0; i < poses.size(); ++i) map_->collection().set_pose(msg.submap_ids[i], poses[i], bends[i]);
   diagnostics().set_counter("graph_revision", msg.revision);
   refresh(msg.header.stamp);
@@ -212,8 +215,8 @@ void SubmapIntegratorNodelet::on_points(const sensor_msgs::PointCloud2ConstPtr& 
 }
 
 void SubmapIntegratorNodelet::integrate(const sensor_msgs::PointCloud2& msg) {
-  const auto transform =
-      tf_->lookupTransform(odometry_frame_, msg.header.frame_id, msg.header.stamp, ros::Duration(config_.tf_timeout_s));
+  const auto transform = tf_->lookupTransform(origins_.frame(), msg.header.frame_id, msg.header.stamp,
+                                              ros::Duration(config_.tf_timeout_s));
   const auto T_O_L = from_msg(transform.transform);
   if (!T_O_L) throw std::invalid_argument("tf gave no valid pose");
   {

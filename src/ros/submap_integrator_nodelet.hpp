@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "odometry_origins.hpp"
 #include "submap_integrator_config.hpp"
 #include "submap_integrator_map.hpp"
 #include "submap_picture_topics.hpp"
@@ -19,6 +20,7 @@
 #include "voxnav/GetGrid.h"
 #include "voxnav/GetSubmaps.h"
 #include "voxnav/Handover.h"
+#include "voxnav/OdometryOrigin.h"
 #include "voxnav/SubmapPoses.h"
 #include "voxnav/pipeline/submap_assembler.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
@@ -45,6 +47,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
 
   void on_handover(const msg::HandoverConstPtr& msg);
   void on_poses(const msg::SubmapPosesConstPtr& msg);
+  void on_origin(const msg::OdometryOriginConstPtr& msg);
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_snapshot_time(const ros::SteadyTimerEvent&);
   void on_picture_time(const ros::SteadyTimerEvent&);
@@ -61,7 +64,11 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void autosave();
 
   // These run on the worker, which holds the mutex.
-  void take_handover(const voxnav::pipeline::Handover& handover);
+  void take_handover(const voxnav::pipeline::Handover& handover, const std::string& frame);
+  void take_origin(const msg::OdometryOrigin& msg);
+  voxnav::geometry::Pose into_origin(const std::string& frame);
+  void close_map(const std::string& frame, const std::string& reason);
+  void express_now(const submap::SubmapEntry& entry, msg::FinishedSubmap* msg) const;
   void take_poses(const msg::SubmapPoses& msg);
   void integrate(const sensor_msgs::PointCloud2& msg);
   void close_submap_of_clouds();
@@ -81,7 +88,9 @@ class SubmapIntegratorNodelet : public NodeletBase {
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
 
   std::mutex mutex_;
-  std::string map_frame_, odometry_frame_;
+  std::string map_frame_;
+  OdometryOrigins origins_;
+  bool has_origin_ = false;  ///< whether a handover, or the mapper, has named the origin
   std::unique_ptr<voxnav::pipeline::SubmapAssembler> assembler_;
   std::unique_ptr<MergedMap> map_;
   voxnav::geometry::Pose T_W_O_ = voxnav::geometry::Pose::Identity();  ///< identity at first: W begins as O
@@ -98,7 +107,7 @@ class SubmapIntegratorNodelet : public NodeletBase {
   ros::SteadyTimer snapshot_timer_, picture_timer_;
   std::mutex save_mutex_;                   ///< held while the map is saved: one save at a time
   std::unique_ptr<Worker> saver_, worker_;  ///< destroyed before what their tasks use
-  ros::Subscriber handover_, poses_, points_;
+  ros::Subscriber handover_, origin_, poses_, points_;
 };
 
 }  // namespace voxnav_ros

@@ -47,7 +47,8 @@ bool SubmapIntegratorNodelet::on_get_obstacles(voxnav::GetGrid::Request&, voxnav
 bool SubmapIntegratorNodelet::on_get_submaps(voxnav::GetSubmaps::Request&, voxnav::GetSubmaps::Response& response) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (const submap::SubmapEntry* entry : map_->collection().entries()) {
-    response.submaps.push_back(to_msg(*entry, odometry_frame_));
+    response.submaps.push_back(to_msg(*entry, origins_.frame()));
+    express_now(*entry, &response.submaps.back());
   }
   response.success = true;
   return true;

@@ -14,6 +14,7 @@ using voxnav::geometry::Pose;
 using voxnav::pipeline::SweepLocation;
 
 constexpr std::uint32_t kQueue = 1000;
+constexpr double kMaxAge_s = 1.0;  ///< of a transform between two origins, which only drifts
 
 }  // namespace
 
@@ -52,6 +53,17 @@ SweepLocation TfLocator::locate(const voxnav::cloud::Sweep& sweep, std::uint32_t
   return out;
 }
 
+std::optional<Pose> TfLocator::between(const std::string& a, const std::string& b, const ros::Time& stamp) const {
+  try {
+    const geometry_msgs::TransformStamped found = buffer_.lookupTransform(a, b, ros::Time(0));
+    const bool is_static = found.header.stamp.isZero();
+    if (!is_static && (stamp - found.header.stamp).toSec() > kMaxAge_s) return std::nullopt;
+    return from_msg(found.transform);
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
+}
+
 std::optional<Pose> TfLocator::mount(const std::string& sensor_frame) const {
   try {
     return from_msg(buffer_.lookupTransform(body_frame_, sensor_frame, ros::Time(0)).transform);
@@ -63,6 +75,11 @@ std::optional<Pose> TfLocator::mount(const std::string& sensor_frame) const {
 std::optional<Pose> TfLocator::lookup(const std::string& frame, voxnav::base::StampNs stamp_ns,
                                       Location* location) const {
   const ros::Time stamp = to_ros(stamp_ns);
+  if (odometry_frame_.empty()) {
+    location->problem = "no uav_state yet, whose frame is that of the map";
+    location->status = Location::Status::kNotYet;
+    return std::nullopt;
+  }
   try {
     auto pose = from_msg(buffer_.lookupTransform(odometry_frame_, frame, stamp).transform);
     if (pose) return pose;

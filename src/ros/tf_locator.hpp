@@ -22,6 +22,11 @@ class TfLocator final : public voxnav::pipeline::SweepLocator {
   /// @param on_change  called after each message with transforms
   void start(ros::NodeHandle& nh, std::function<void()> on_change);
   voxnav::pipeline::SweepLocation locate(const voxnav::cloud::Sweep& sweep, std::uint32_t duration_ns) const override;
+  /// Gives all further poses in another frame. While it is empty, sweeps wait.
+  void set_odometry_frame(std::string frame) { odometry_frame_ = std::move(frame); }
+  /// Returns the newest T_A_B between two frames that is no older than the stamp by more than a second.
+  std::optional<voxnav::geometry::Pose> between(const std::string& a, const std::string& b,
+                                                const ros::Time& stamp) const;
   /// Returns the newest T_B_L of a sensor; nothing while it is unknown.
   std::optional<voxnav::geometry::Pose> mount(const std::string& sensor_frame) const;
 

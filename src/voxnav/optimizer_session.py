@@ -183,6 +183,15 @@ class OptimizerSession:
         self.revision += 1
         return report
 
+    def change_origin(self, T_new_old: Array) -> None:
+        """Expresses the odometry so far in another origin O, so that relative poses to what comes next are right.
+
+        T_new_old: (4, 4) transform from the present origin to the new one. The map, W, does not move.
+        """
+        for number, record in self._records.items():
+            self._records[number] = record._replace(T_O_S=T_new_old @ record.T_O_S)
+        self.T_W_O = voxnav.gravity_aligned(self.T_W_O @ np.linalg.inv(T_new_old))
+
     def trajectory(self) -> tuple[Array, Array]:
         """Returns stamps (n,) and poses T_W_B (n, 4, 4) of the flight so far, without steps, thinned to the limit."""
         records = [r for r in self._records.values() if len(r.stamps_s)]

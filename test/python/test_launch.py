@@ -133,6 +133,15 @@ def test_a_custom_configuration_wins(tmp_path):
         assert config.params["/uav1/local_mapper/map/max_range_m"].value == 26.0
 
 
+@pytest.mark.parametrize("name", ["nodes", "voxnav"])
+def test_the_map_is_in_the_frame_of_the_estimator_unless_another_one_is_named(name):
+    frame = "/uav1/local_mapper/node/odometry_frame"
+    assert loaded(name).params[frame].value == ""
+    own = loaded(name, "odometry:=lidar").params
+    assert own[frame].value == own["/uav1/lidar_odometry/node/odometry_frame"].value == "uav1/slam_origin"
+    assert loaded(name, "odometry_frame:=uav1/rtk_origin").params[frame].value == "uav1/rtk_origin"
+
+
 def write(path, text):
     path.write_text(text)
     return str(path)
@@ -148,6 +157,8 @@ def test_configurations_are_layers_of_which_the_custom_one_wins(tmp_path, monkey
     monkeypatch.setenv("PWD", str(tmp_path))  # relative paths are those of the shell that called roslaunch
     params = loaded("voxnav", *arguments).params
     assert [params["/uav1/of_the_test/" + layer].value for layer in layers] == [3, 3, 3, 3]
+    world = "/uav1/planning_manager/fences/world_config"
+    assert params[world].value == str(tmp_path / "world.yaml") and loaded("voxnav").params[world].value == ""
     without = loaded("voxnav", *arguments[:-1]).params
     assert [without["/uav1/of_the_test/" + layer].value for layer in layers[:-1]] == [2, 2, 2]
     for layer in layers:

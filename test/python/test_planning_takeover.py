@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from voxnav.planning_manager import Hover, Idle, Means, Moving, Planning, Reason
+import voxnav
+from voxnav.planning_manager import Because, Hover, Idle, Means, Moving, Planning, Reason
 from voxnav.planning_manager import flying, input_ids, main_loop, stopping, takeover
 from voxnav.planning_manager.inputs import Control, Prediction, Timed, TrackerState
 from voxnav.planning_manager.owners import who_flies
@@ -23,7 +24,7 @@ TAKEN = {
     "landed": Control(False, False, False, has_output=False, state=TrackerState.IDLE),
     "LandoffTracker with FailsafeController": Control(False, False, False, state=TrackerState.HOVER,
                                                       tracker="LandoffTracker", controller="FailsafeController"),
-    "callbacks of the control manager are disabled": Control(False, True, True, state=TrackerState.TRAJECTORY),
+    "callbacks are disabled": Control(False, True, True, state=TrackerState.TRAJECTORY),
     "callbacks of the tracker": Control(True, False, False, state=TrackerState.HOVER)}
 
 
@@ -131,6 +132,15 @@ def test_a_trajectory_cut_at_the_safety_area_drops_the_goal_and_names_the_area(i
     assert after.because.reason is Reason.SAFETY_AREA and "safety area" in after.because.sentence
     after, actions = flying.publish_done(planning_state(job=publishing()), JOB, "refused", facts(), is_modified=True)
     assert after.goal is not None and not actions
+
+
+def test_the_status_tells_who_has_the_vehicle_and_where_it_is_not_safe():
+    manager = voxnav.PlanningManager(voxnav.PlanningManagerConfig(), (-5.0, 20.0), lambda: None)
+    danger = Because(Reason.OTHERS_UNSAFE, "flown by somebody else: not known free")
+    for reason, words in ((Reason.TAKEN_OVER, "for the test; flown by somebody else: not known free"),
+                          (Reason.STOPPED, "flown by somebody else: not known free")):
+        manager._state = Idle(Because(reason, "for the test"), danger=danger)
+        assert manager.status.reason == words and manager.status.because.reason is Reason.OTHERS_UNSAFE
 
 
 def test_at_rest_nothing_is_taken_over():

@@ -170,7 +170,7 @@ MISSING = {
     Reason.NO_ODOMETRY: dict(vehicle=None), Reason.NO_DIAGNOSTICS: dict(control=Timed(NOW - 10.0, FREE)),
     Reason.NO_CONSTRAINTS: dict(limits_problem="constraints are not finite"),
     Reason.NO_PREDICTION: dict(prediction=None),
-    Reason.NO_MAP: dict(map_stamp_s=NOW - 5.0), Reason.FRAMES_DIFFER: dict(frames=Frames("a", "b")),
+    Reason.NO_MAP: dict(map_stamp_s=NOW - 5.0), Reason.FRAMES_DIFFER: dict(frames=Frames("a", "b", "b")),
     Reason.NO_CORRECTION: dict(T_W_O=None), Reason.NODE_LOST: dict(lost_nodes=frozenset(["local_mapper"]))}
 
 
@@ -184,6 +184,14 @@ def test_a_missing_input_leads_to_idle_with_the_goal_and_hovers_only_in_motion(r
         assert reason.level is Level.WARN
     after, actions = main_loop.tick(planning_state(), lacking)
     assert isinstance(after, Idle) and not actions and after.because.reason is reason
+
+
+@pytest.mark.parametrize("frames, words", [
+    (Frames("a", "b", "a"), "the local map is in frame a, the vehicle in b"),
+    (Frames("b", "b", "a"), "the map correction is of frame a, the vehicle in b"), (Frames("b", "b", "b"), "")])
+def test_frames_that_differ_are_named(frames, words):
+    after, _ = main_loop.tick(moving_state(), replace(facts(), inputs=replace(inputs(), frames=frames)))
+    assert after.because.sentence == ("hover: " + words if words else BECAUSE.sentence)
 
 
 def test_a_clock_that_jumps_back_leads_to_hover_and_restarts_the_timeouts():
@@ -209,6 +217,26 @@ def test_a_jump_of_the_frame_brakes_in_motion_and_drops_the_job_at_rest():
     assert after.job is None and not actions
     idle = Idle(BECAUSE, GOAL)
     assert stopping.jump_frame(idle, because, facts()) == (idle, ())
+
+
+def test_a_goal_is_dropped_with_the_map_in_which_it_is():
+    closed = Because(Reason.MAP_CLOSED, "closed")
+    after, actions = stopping.close_map(moving_state(), closed, facts(seen=view()))
+    assert after.goal is None and after.because is closed and kinds(actions) == [Hover]
+    assert actions[0].means is Means.HOVER, "no other way to rest can be checked on a map of another origin"
+    resting = planning_state(hover=OwnHover(BECAUSE, NOW, NOW))
+    after, actions = stopping.close_map(resting, closed, at_rest(seen=view()))
+    assert after.goal is None and after.because is closed and after.hover is resting.hover and not actions
+    idle = Idle(BECAUSE)
+    assert stopping.close_map(idle, closed, facts()) == (idle, ())
+
+
+def test_nothing_is_checked_on_a_map_of_another_origin():
+    manager = voxnav.PlanningManager(CONFIG, (-5.0, 20.0), lambda: view())
+    for frames, is_seen in ((("a", "a"), True), (("a", "b"), False), (("", "b"), True), (("a", "a", "a"), True),
+                            (("b", "b", "a"), False)):
+        manager.set_frames(*frames)
+        assert (manager._facts(NOW).look() is not None) == is_seen
 
 
 def test_arrival_needs_the_place_and_rest():

@@ -12,9 +12,11 @@ import rospy
 import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from mrs_msgs.msg import ControlManagerDiagnostics, DynamicsConstraints, MpcPredictionFullState, TrackerCommand
+from mrs_msgs.msg import (ControlManagerDiagnostics, DynamicsConstraints, MpcPredictionFullState, TrackerCommand,
+                          TrackerStatus)
 from mrs_msgs.srv import (GetPathSrv, GetPathSrvResponse, ReferenceStampedSrv, ReferenceStampedSrvRequest,
-                          TrajectoryReferenceSrv, TrajectoryReferenceSrvResponse, Vec4, Vec4Request)
+                          TrajectoryReferenceSrv, TrajectoryReferenceSrvResponse, TransformReferenceSrv,
+                          TransformReferenceSrvResponse, Vec4, Vec4Request)
 from nav_msgs.msg import Odometry
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -39,6 +41,7 @@ class FakeUav:
         self.generator_works.set()
         self.num_hovers, self.num_ehovers, self.sequence = 0, 0, 0
         self.accepts_hover, self.stamps = True, []  # stamps of the trajectories that came
+        self.input_id, self.is_cut = 0, False  # of the last trajectory; whether a safety area cuts the next one
         self.frame, self.paths = O, []  # the frame of the vehicle, and the paths that the generator was asked for
         self.grid = voxnav.StateGrid.from_array(np.ones((100, 60, 25), dtype=np.int8), (-8.0, -12.0, 0.0), 0.4)
         pub = rospy.Publisher
@@ -72,6 +75,10 @@ class FakeUav:
         low = int(at)
         return points[low] + (at - low) * (points[min(low + 1, len(points) - 1)] - points[low])
 
+    def ends_s(self):
+        points, dt, begin = self.flown
+        return begin + dt * (len(points) - 1)
+
     def snapshot(self):
         data = self.grid.snapshot()
         msg = GridUpdate(sequence=self.sequence, is_snapshot=True, resolution_m=0.4, states=data["states"],
@@ -99,7 +106,7 @@ class FakeUav:
         v.x, v.y, v.z = (self.position - before) / 0.05
         odometry.pose.pose.orientation.w = 1.0
         self.odometry.publish(odometry)
-        prediction = MpcPredictionFullState()
+        prediction = MpcPredictionFullState(input_id=self.input_id)
         stamps = [now + rospy.Duration(0.01 + 0.2 * i) for i in range(40)]
         prediction.stamps = stamps
         prediction.position = [reference(self.position_at(s.to_sec()), 0.0).position for s in stamps]
@@ -119,8 +126,10 @@ class FakeUav:
         self.heartbeat.publish(NodeDiagnostics(node="local_mapper"))
 
     def publish_slow(self, now):
-        control = ControlManagerDiagnostics(stamp=now, flying_normally=True)
-        control.tracker_status.callbacks_enabled = True
+        control = ControlManagerDiagnostics(stamp=now, flying_normally=True, output_enabled=True)
+        tracker = control.tracker_status
+        tracker.callbacks_enabled, tracker.state = True, TrackerStatus.STATE_HOVER
+        tracker.tracking_trajectory = self.flown is not None and now.to_sec() < self.ends_s()
         self.control.publish(control)
         limits = DynamicsConstraints()
         for name in ("horizontal", "vertical_ascending", "vertical_descending"):
@@ -148,8 +157,10 @@ class FakeUav:
         with self.lock:
             self.stamps.append(stamp)
             begin = rospy.Time.now() if stamp.is_zero() else stamp
-            self.flown = (points, request.trajectory.dt, begin.to_sec())
-        return TrajectoryReferenceSrvResponse(success=True, tracker_names=["MpcTracker"], tracker_successes=[True])
+            self.flown = (points[:len(points) // 2] if self.is_cut else points, request.trajectory.dt, begin.to_sec())
+            self.input_id = request.trajectory.input_id
+        return TrajectoryReferenceSrvResponse(success=True, modified=self.is_cut, tracker_names=["MpcTracker"],
+                                              tracker_successes=[True])
 
     def serve_hover(self, _):
         with self.lock:
@@ -282,6 +293,42 @@ class PlanningManagerTest(unittest.TestCase):
         self.wait(lambda s: "frame" in s.reason and s.state == PlannerStatus.IDLE, 10.0, "hover")
         self.uav.frame = O
         self.wait(lambda s: s.is_goal_reached, 40.0, "the goal")
+
+    def test_5d_a_trajectory_that_is_cut_at_the_safety_area_ends_the_flight_and_says_so(self):
+        self.uav.is_cut = True
+        hovers = self.uav.num_hovers
+        try:
+            self.assertTrue(self.send((20.0, 0.0, 3.0), O).success)
+            self.wait(lambda s: "safety area" in s.reason and not s.has_goal, 20.0, "the reason")
+        finally:
+            self.uav.is_cut = False
+        self.wait(lambda s: self.uav.num_hovers > hovers, 5.0, "the hover service")
+
+    def test_5e_a_goal_on_earth_is_transformed_by_the_control_manager(self):
+        self.assertIn("transform_reference", self.send((50.1, 14.4, 3.0), "latlon_origin").message)
+        asked = []
+
+        def transform(request):
+            asked.append((request.frame_id, request.reference.header.frame_id, request.reference.reference.position.y))
+            out = TransformReferenceSrvResponse(success=True, reference=request.reference)
+            out.reference.header.frame_id, out.reference.reference = request.frame_id, reference((4.0, 2.0, 3.0), 0.0)
+            return out
+
+        server = rospy.Service(UAV + "control_manager/transform_reference", TransformReferenceSrv, transform)
+        try:
+            for frame in ("latlon_origin", "uav1/latlon_origin"):
+                self.assertTrue(self.send((50.1, 14.4, 3.0), frame).success)
+                self.wait(lambda s: abs(s.goal.x - 14.0) < 0.01 and abs(s.goal.y - 2.0) < 0.01, 5.0, "the goal in W")
+        finally:
+            server.shutdown("test")
+        self.assertEqual(asked, [(O, "latlon_origin", 14.4), (O, "uav1/latlon_origin", 14.4)])
+        self.assertTrue(self.stop().success)
+
+    def test_5f_empty_and_short_frames_are_those_of_mrs(self):
+        for frame, x in (("", 14.0), ("odom", 14.0), ("uav1/odom", 14.0), ("voxnav_map", 4.0)):
+            self.assertTrue(self.send((4.0, 0.0, 3.0), frame).success)
+            self.wait(lambda s: s.has_goal and abs(s.goal.x - x) < 0.01, 5.0, "a goal in frame '%s'" % frame)
+        self.assertTrue(self.stop().success)
 
     def test_6_changes_lost_without_a_map_service_lead_to_hover_until_it_is_there(self):
         self.assertTrue(self.send((16.0, 0.0, 3.0), O).success)

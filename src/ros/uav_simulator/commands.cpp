@@ -29,18 +29,14 @@ std::string no_transform(const std::string& frame, const UavFrames& frames) {
 
 }  // namespace
 
-UavCommands::UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,
-                         const voxnav_simulation::UavConstraintsConfig& constraints,
-                         const voxnav_simulation::TrajectoryGeneratorConfig& generator,
+UavCommands::UavCommands(ros::NodeHandle& nh, const Shared& shared, UavFrames& frames, const Config& config,
                          std::function<std::string()> take_off_refusal)
-    : shared_(shared),
-      frames_(frames),
-      constraints_(constraints),
-      generator_(generator),
-      take_off_refusal_(std::move(take_off_refusal)) {
+    : shared_(shared), frames_(frames), config_(config), take_off_refusal_(std::move(take_off_refusal)) {
+  voxnav::base::checked(config_.safety_area);
   advertise_triggers(nh);
   advertise_references(nh);
   advertise_trajectories(nh);
+  advertise_others(nh);
 }
 
 void UavCommands::let_pass(Duration duration) {
@@ -106,7 +102,7 @@ void UavCommands::advertise_triggers(ros::NodeHandle& nh) {
 UavCommands::Result UavCommands::set_constraints(const std::string& name) {
   const auto set = voxnav::base::value_of_word<voxnav_simulation::ConstraintSet>(name);
   if (!set) return {false, "there are no constraints named '" + name + "', only slow, medium and fast"};
-  shared_.uav->set_limits(limits_of(constraints_, *set));
+  shared_.uav->set_limits(limits_of(config_.constraints, *set));
   *shared_.constraints = *set;
   return {true, "constraints set to " + name};
 }
@@ -144,10 +140,17 @@ void UavCommands::advertise_references(ros::NodeHandle& nh) {
 }
 
 UavCommands::Result UavCommands::go_to(const std_msgs::Header& header, const mrs_msgs::Reference& reference) {
-  const auto T_O_frame = frames_.T_control(header.frame_id);
+  const auto T_O_frame = frames_.T_O(header.frame_id);
   if (!T_O_frame) return {false, no_transform(header.frame_id, frames_)};
   const std::lock_guard<std::mutex> lock(*shared_.mutex);
-  return shared_.uav->go_to(transformed(*T_O_frame, from_msg(reference)));
+  return go_to(transformed(*T_O_frame, from_msg(reference)));
+}
+
+UavCommands::Result UavCommands::go_to(const HeadedPoint& goal_O) {
+  if (!is_inside(config_.safety_area, goal_O.position)) {
+    return {false, "failed to set the reference, the point is outside of the safety area!"};
+  }
+  return shared_.uav->go_to(goal_O);
 }
 
 void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
@@ -156,9 +159,10 @@ void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
       "control_manager/trajectory_reference",
       boost::function<bool(Fly::Request&, Fly::Response&)>([this](Fly::Request& request, Fly::Response& response) {
         let_pass(&ServiceTimes::command_ns);
-        const Result result = fly(request.trajectory);
+        const auto [result, is_modified] = fly(request.trajectory);
         response.success = result.success;
         response.message = result.message;
+        response.modified = is_modified;
         response.tracker_names = {"MpcTracker"};
         response.tracker_successes = {static_cast<std::uint8_t>(result.success)};
         response.tracker_messages = {result.message};
@@ -166,7 +170,7 @@ void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
       })));
   subscribers_.push_back(nh.subscribe<mrs_msgs::TrajectoryReference>(
       "control_manager/trajectory_reference", 10, [this](const mrs_msgs::TrajectoryReferenceConstPtr& msg) {
-        const Result result = fly(*msg);
+        const Result result = fly(*msg).result;
         if (!result.success) ROS_WARN_STREAM("[UavSimulator]: trajectory refused: " << result.message);
       }));
   using Get = mrs_msgs::GetPathSrv;
@@ -187,16 +191,16 @@ void UavCommands::advertise_trajectories(ros::NodeHandle& nh) {
         response.success = generated.success;
         response.message = generated.message;
         if (!generated.success) return true;
-        const Result result = fly(generated.trajectory);
+        const Result result = fly(generated.trajectory).result;
         response.success = result.success;
         response.message = result.message;
         return true;
       })));
 }
 
-UavCommands::Result UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
-  const auto T_O_frame = frames_.T_control(msg.header.frame_id);
-  if (!T_O_frame) return {false, no_transform(msg.header.frame_id, frames_)};
+UavCommands::Flown UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
+  const auto T_O_frame = frames_.T_O(msg.header.frame_id);
+  if (!T_O_frame) return {{false, no_transform(msg.header.frame_id, frames_)}};
   TrackedTrajectory trajectory;
   for (const auto& point : msg.points) trajectory.points.push_back(transformed(*T_O_frame, from_msg(point)));
   trajectory.dt_s = msg.dt <= 1e-4 ? kDefaultDt_s : msg.dt;
@@ -212,12 +216,14 @@ UavCommands::Result UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
     }
     trajectory.skip_s = std::max(0.0, trajectory.skip_s);
   }
-  if (msg.fly_now) return fly(trajectory);
+  const voxnav_simulation::SafetyVerdict verdict = keep_inside(config_.safety_area, &trajectory);
+  if (!verdict.refusal.empty()) return {{false, verdict.refusal}};
+  if (msg.fly_now) return {fly(trajectory), verdict.is_modified};
   // The trajectory is checked by flying it and is then stopped in place, because loading a trajectory ends the present
   // one.
   Result result = fly(trajectory);
   if (result.success) shared_.uav->hover();
-  return result;
+  return {result, verdict.is_modified};
 }
 
 UavCommands::Result UavCommands::fly(const TrackedTrajectory& trajectory) {

@@ -19,9 +19,11 @@
 #include <vector>
 
 #include "frames.hpp"
+#include "voxnav_simulation/safety_area.hpp"
 #include "voxnav_simulation/service_times.hpp"
 #include "voxnav_simulation/trajectory_generator.hpp"
 #include "voxnav_simulation/uav.hpp"
+#include "voxnav_simulation/uav_simulator_config.hpp"
 
 namespace voxnav_ros {
 
@@ -35,10 +37,14 @@ class UavCommands {
     voxnav_simulation::ConstraintSet* constraints;
     voxnav_simulation::ServiceTimes* service_times;
   };
+  struct Config {
+    voxnav_simulation::UavConstraintsConfig constraints;
+    voxnav_simulation::TrajectoryGeneratorConfig generator;
+    voxnav_simulation::SafetyAreaConfig safety_area;
+    voxnav_simulation::UavSimulatorConfig node;
+  };
   /// @param take_off_refusal  is asked before take-off; an empty answer allows it, any other is the reason why not
-  UavCommands(ros::NodeHandle& nh, const Shared& shared, const UavFrames& frames,
-              const voxnav_simulation::UavConstraintsConfig& constraints,
-              const voxnav_simulation::TrajectoryGeneratorConfig& generator,
+  UavCommands(ros::NodeHandle& nh, const Shared& shared, UavFrames& frames, const Config& config,
               std::function<std::string()> take_off_refusal);
 
  private:
@@ -51,6 +57,8 @@ class UavCommands {
   void advertise_triggers(ros::NodeHandle& nh);
   void advertise_references(ros::NodeHandle& nh);
   void advertise_trajectories(ros::NodeHandle& nh);
+  void advertise_others(ros::NodeHandle& nh);
+  void set_bool(ros::NodeHandle& nh, const std::string& name, const std::function<Result(bool)>& command);
   void trigger(ros::NodeHandle& nh, const std::string& name, const std::function<Result()>& command);
 
   Result set_constraints(const std::string& name);
@@ -59,7 +67,15 @@ class UavCommands {
   Result resume_tracking();
   Result go_to_start();
   Result go_to(const std_msgs::Header& header, const mrs_msgs::Reference& reference);
-  Result fly(const mrs_msgs::TrajectoryReference& msg);
+  Result go_to_relative(const mrs_msgs::Vec4::Request& request);
+  /// Expresses a reference in another frame, which may be latlon_origin for the one that is given.
+  Result transform(const std::string& to, const mrs_msgs::ReferenceStamped& from, mrs_msgs::ReferenceStamped* out);
+  Result go_to(const voxnav_simulation::HeadedPoint& goal_O);
+  struct Flown {
+    Result result;
+    bool is_modified = false;  ///< the safety area has cut the trajectory
+  };
+  Flown fly(const mrs_msgs::TrajectoryReference& msg);
   Result fly(const voxnav_simulation::TrackedTrajectory& trajectory);
 
   struct Plan {
@@ -73,9 +89,8 @@ class UavCommands {
   void get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response);
 
   Shared shared_;
-  const UavFrames& frames_;
-  voxnav_simulation::UavConstraintsConfig constraints_;
-  voxnav_simulation::TrajectoryGeneratorConfig generator_;
+  UavFrames& frames_;
+  Config config_;
   std::function<std::string()> take_off_refusal_;
   std::optional<voxnav_simulation::TrackedTrajectory> loaded_;  ///< the last trajectory given; guarded like uav
   double stopped_at_s_ = 0;                                     ///< time along it at which tracking was stopped

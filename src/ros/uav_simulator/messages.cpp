@@ -24,11 +24,12 @@ geometry_msgs::Vector3 vector(const Vec3& v) {
   return out;
 }
 
-void fill_prediction(Uav* uav, const std_msgs::Header& header, mrs_msgs::MpcPredictionFullState* out) {
+void fill_prediction(Uav* uav, const std_msgs::Header& header, const UavFrames& frames,
+                     mrs_msgs::MpcPredictionFullState* out) {
   out->header = header;
   out->input_id = uav->tracker().input_id();
   for (int i = 0; i < kNumPredicted; ++i) {
-    const KinematicState& s = uav->predicted(predicted_ahead_s(i));
+    const KinematicState s = transformed(frames.T_C_O(), uav->predicted(predicted_ahead_s(i)));
     out->stamps.push_back(header.stamp + ros::Duration(predicted_ahead_s(i)));
     out->position.push_back(to_msg(s.position));
     out->velocity.push_back(vector(s.velocity));
@@ -68,14 +69,13 @@ nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& head
   return out;
 }
 
-mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, const std::string& child,
-                             const std::string& estimator) {
-  const BodyState& state = uav.estimate();
+mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, const UavFrames& frames) {
+  const BodyState state = transformed(frames.T_C_O(), uav.estimate());
   mrs_msgs::UavState out;
   out.header = header;
-  out.child_frame_id = child;
-  out.estimator_horizontal = out.estimator_vertical = out.estimator_heading = estimator;
-  out.estimator_iteration = uav.estimator_iteration();
+  out.child_frame_id = frames.body();
+  out.estimator_horizontal = out.estimator_vertical = out.estimator_heading = frames.estimator();
+  out.estimator_iteration = uav.estimator_iteration() + frames.num_switches();
   out.pose = to_msg(state.pose);
   out.velocity.linear = vector(state.velocity);
   out.velocity.angular = vector(state.angular_velocity);
@@ -83,9 +83,9 @@ mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, con
   return out;
 }
 
-mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header) {
+mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header, const UavFrames& frames) {
   mrs_msgs::TrackerCommand out;
-  const KinematicState s = uav->tracker().state();
+  const KinematicState s = transformed(frames.T_C_O(), uav->tracker().state());
   out.header = header;
   out.position = to_msg(s.position);
   out.velocity = vector(s.velocity);
@@ -102,7 +102,7 @@ mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& heade
         &out.use_heading_acceleration, &out.use_heading_jerk, &out.use_full_state_prediction}) {
     *use = 1;
   }
-  fill_prediction(uav, header, &out.full_state_prediction);
+  fill_prediction(uav, header, frames, &out.full_state_prediction);
   return out;
 }
 
@@ -127,13 +127,14 @@ mrs_msgs::DynamicsConstraints constraints(const TrackerLimits& l) {
 }
 
 mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const std_msgs::Header& header,
-                                                        const std::string& uav_name) {
+                                                        const std::string& uav_name, const UavFrames& frames) {
   mrs_msgs::ControlManagerDiagnostics out;
   out.stamp = header.stamp;
   out.uav_name = uav_name;
   out.output_enabled = uav.phase() != FlightPhase::kIdle;
-  out.flying_normally = uav.phase() == FlightPhase::kFlying && !uav.is_repelled();
+  out.flying_normally = uav.is_flying_normally();
   out.bumper_active = uav.is_repelled();
+  out.joystick_active = uav.is_remote();
   out.desired_uav_state_rate = 100;
   out.active_tracker = tracker_name(uav);
   out.active_controller = out.output_enabled ? "Se3Controller" : "FailsafeController";
@@ -152,8 +153,9 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   status.trajectory_length = static_cast<std::int32_t>(uav.tracker().trajectory_size());
   status.trajectory_idx = static_cast<std::int32_t>(uav.tracker().trajectory_index());
   status.trajectory_reference.header = header;
-  status.trajectory_reference.reference.position = to_msg(uav.tracker().goal().position);
-  status.trajectory_reference.reference.heading = uav.tracker().goal().heading_rad;
+  const voxnav_simulation::HeadedPoint goal = transformed(frames.T_C_O(), uav.tracker().goal());
+  status.trajectory_reference.reference.position = to_msg(goal.position);
+  status.trajectory_reference.reference.heading = goal.heading_rad;
   return out;
 }
 
@@ -168,11 +170,11 @@ mrs_msgs::ConstraintManagerDiagnostics constraint_diagnostics(const TrackerLimit
 }
 
 mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std_msgs::Header& header,
-                                                       const std::string& child, const UavSimulatorConfig& config) {
+                                                       const UavFrames& frames, const UavSimulatorConfig& config) {
   mrs_msgs::EstimationDiagnostics out;
-  const auto state = uav_state(uav, header, child, config.estimator);
+  const auto state = uav_state(uav, header, frames);
   out.header = header;
-  out.child_frame_id = child;
+  out.child_frame_id = frames.body();
   out.pose = state.pose;
   out.velocity = state.velocity;
   out.acceleration = state.acceleration;
@@ -180,11 +182,11 @@ mrs_msgs::EstimationDiagnostics estimation_diagnostics(const Uav& uav, const std
   out.max_flight_z = 1000.0;
   out.sm_state = uav.phase() == FlightPhase::kIdle ? "READY_FOR_FLIGHT_STATE" : "FLYING_STATE";
   out.current_state_estimator = out.estimator_horizontal = out.estimator_vertical = out.estimator_heading =
-      config.estimator;
+      frames.estimator();
   out.estimator_agl_height = "garmin_agl";
-  out.estimator_iteration = uav.estimator_iteration();
+  out.estimator_iteration = state.estimator_iteration;
   out.estimation_rate = static_cast<std::uint32_t>(config.state_hz);
-  out.running_state_estimators = out.switchable_state_estimators = {config.estimator};
+  out.running_state_estimators = out.switchable_state_estimators = frames.estimators();
   return out;
 }
 
@@ -240,6 +242,12 @@ sensor_msgs::NavSatFix gnss(const Vec3& position, const std_msgs::Header& header
   out.position_covariance_type = sensor_msgs::NavSatFix::COVARIANCE_TYPE_APPROXIMATED;
   out.position_covariance[0] = out.position_covariance[4] = out.position_covariance[8] = 1.0;
   return out;
+}
+
+Vec3 place_of(double latitude_deg, double longitude_deg, const UavSimulatorConfig& config) {
+  const double radius = kEarthRadius_m * std::cos(config.origin_latitude_deg * kRadPerDeg);
+  return {(longitude_deg - config.origin_longitude_deg) * kRadPerDeg * radius,
+          (latitude_deg - config.origin_latitude_deg) * kRadPerDeg * kEarthRadius_m, 0.0};
 }
 
 mrs_msgs::RtkGps rtk(const Vec3& position, const std_msgs::Header& header, const UavSimulatorConfig& config) {

@@ -84,7 +84,7 @@ void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
   if (is_due(config_.state_hz)) collect_state(*uav);
   if (is_due(config_.tracker_cmd_hz)) {
     later_unless_lost(Kind::kTrackerCommand, tracker_cmd_,
-                      uav_messages::tracker_command(uav, header(frames_.control())));
+                      uav_messages::tracker_command(uav, header(frames_.control()), frames_));
   }
   collect_sensors(uav);
   collect_diagnostics(*uav, constraints);
@@ -93,9 +93,9 @@ void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
 
 void UavOutputs::collect_state(const Uav& uav) {
   const auto in_control = header(frames_.control());
-  later_unless_lost(Kind::kUavState, uav_state_,
-                    uav_messages::uav_state(uav, in_control, frames_.body(), config_.estimator));
-  later_unless_lost(Kind::kOdometry, odom_main_, uav_messages::odometry(uav.estimate(), in_control, frames_.body()));
+  later_unless_lost(Kind::kUavState, uav_state_, uav_messages::uav_state(uav, in_control, frames_));
+  later_unless_lost(Kind::kOdometry, odom_main_,
+                    uav_messages::odometry(transformed(frames_.T_C_O(), uav.estimate()), in_control, frames_.body()));
   later(ground_truth_, uav_messages::odometry(uav.truth(), header(frames_.ground_truth()), frames_.body()));
   const auto tree = frames_.tree(uav, in_control.stamp);
   if (!is_lost(Kind::kTf)) queue_.emplace_back([this, tree] { tf_.sendTransform(tree); });
@@ -119,9 +119,9 @@ void UavOutputs::collect_diagnostics(const Uav& uav, ConstraintSet constraints) 
   if (is_due(kSensors_hz)) {
     later_unless_lost(Kind::kConstraints, constraints_, uav_messages::constraints(uav.tracker().limits()));
     later_unless_lost(Kind::kControl, control_diagnostics_,
-                      uav_messages::control_diagnostics(uav, in_control, config_.uav_name));
+                      uav_messages::control_diagnostics(uav, in_control, config_.uav_name, frames_));
     later_unless_lost(Kind::kEstimation, estimation_diagnostics_,
-                      uav_messages::estimation_diagnostics(uav, in_control, frames_.body(), config_));
+                      uav_messages::estimation_diagnostics(uav, in_control, frames_, config_));
   }
   if (!is_due(kSlow_hz)) return;
   later(constraint_diagnostics_,

@@ -84,7 +84,7 @@ UavCommands::Plan UavCommands::plan(const mrs_msgs::Path& path, const voxnav::ge
   request.has_relaxed_heading = path.relax_heading;
   Plan out;
   set_start(path, &request, &out);
-  voxnav_simulation::TrajectoryGeneratorConfig config = generator_;
+  voxnav_simulation::TrajectoryGeneratorConfig config = config_.generator;
   if (!out.front.empty()) config.sampling_s = 0.2;  // as in the prediction, which comes first
   out.generated = generate_trajectory(config, request);
   return out;
@@ -92,7 +92,7 @@ UavCommands::Plan UavCommands::plan(const mrs_msgs::Path& path, const voxnav::ge
 
 void UavCommands::get_path(const mrs_msgs::Path& path, mrs_msgs::GetPathSrv::Response* response) {
   response->success = false;
-  const auto T_O_path = frames_.T_control(path.header.frame_id);
+  const auto T_O_path = frames_.T_O(path.header.frame_id);
   if (!T_O_path) {
     response->message = "no transform from '" + path.header.frame_id + "' to the control frame";
     return;

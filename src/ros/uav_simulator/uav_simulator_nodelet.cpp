@@ -36,14 +36,15 @@ class UavSimulatorNodelet : public NodeletBase {
     load();
     ros::NodeHandle& nh = getMTNodeHandle();
     ros::NodeHandle& private_nh = getMTPrivateNodeHandle();
-    frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator);
+    frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator, switches_config_);
+    switches_ = std::make_unique<voxnav_simulation::EstimatorSwitches>(switches_config_, seed());
     pacer_ = std::make_unique<Pacer>(config_);
     make_uav();
     service_times_ = std::make_unique<voxnav_simulation::ServiceTimes>(services_, seed());
     outputs_ = std::make_unique<UavOutputs>(nh, private_nh, outputs_config_, *frames_, scene_);
     const UavCommands::Shared shared{&mutex_, uav_.get(), &constraint_set_, service_times_.get()};
-    commands_ = std::make_unique<UavCommands>(nh, shared, *frames_, constraints_, generator_,
-                                              [this] { return take_off_refusal(); });
+    commands_ =
+        std::make_unique<UavCommands>(nh, shared, *frames_, commands_config_, [this] { return take_off_refusal(); });
   }
 
   void start() override {
@@ -58,8 +59,9 @@ class UavSimulatorNodelet : public NodeletBase {
     params.section("uav", &setup_.uav);
     params.section("drift", &setup_.drift);
     params.section("imu", &setup_.imu);
-    params.section("constraints", &constraints_);
-    params.section("generator", &generator_);
+    params.section("constraints", &commands_config_.constraints);
+    params.section("generator", &commands_config_.generator);
+    params.section("safety_area", &commands_config_.safety_area);
     params.section("tracking", &setup_.faults.tracking);
     params.section("wind", &setup_.faults.wind);
     params.section("state_noise", &setup_.faults.state_noise);
@@ -67,11 +69,13 @@ class UavSimulatorNodelet : public NodeletBase {
     params.section("avoidance", &setup_.faults.avoidance);
     params.section("bumper", &setup_.faults.bumper);
     params.section("resets", &setup_.faults.resets);
+    params.section("switches", &switches_config_);
     params.section("services", &services_);
     params.section("losses", &outputs_config_.losses);
     params.finish();
-    constraint_set_ = constraints_.initial;
-    setup_.limits = limits_of(constraints_, constraint_set_);
+    commands_config_.node = config_;
+    constraint_set_ = commands_config_.constraints.initial;
+    setup_.limits = limits_of(commands_config_.constraints, constraint_set_);
   }
 
   void make_uav() {
@@ -108,6 +112,7 @@ class UavSimulatorNodelet : public NodeletBase {
       const std::lock_guard<std::mutex> lock(mutex_);
       for (int i = 0; i < steps; ++i) {
         uav_->step();
+        if (uav_->is_flying_normally() && switches_->step(voxnav_simulation::kStep_s)) frames_->switch_to_other();
         outputs_->add_imu(uav_->imu());
       }
       outputs_->collect(uav_.get(), constraint_set_);
@@ -146,8 +151,8 @@ class UavSimulatorNodelet : public NodeletBase {
   UavOutputs::Config outputs_config_;
   voxnav_simulation::UavSimulatorConfig& config_ = outputs_config_.node;
   voxnav_simulation::UavSetup setup_;
-  voxnav_simulation::UavConstraintsConfig constraints_;
-  voxnav_simulation::TrajectoryGeneratorConfig generator_;
+  UavCommands::Config commands_config_;
+  voxnav_simulation::EstimatorSwitchesConfig switches_config_;
   voxnav_simulation::ServiceTimesConfig services_;
 
   std::shared_ptr<voxnav_simulation::Scene> scene_;
@@ -156,6 +161,7 @@ class UavSimulatorNodelet : public NodeletBase {
   std::unique_ptr<voxnav_simulation::ServiceTimes> service_times_;
   voxnav_simulation::ConstraintSet constraint_set_;
   std::unique_ptr<UavFrames> frames_;
+  std::unique_ptr<voxnav_simulation::EstimatorSwitches> switches_;
   std::unique_ptr<Pacer> pacer_;
   std::unique_ptr<UavOutputs> outputs_;
   std::unique_ptr<UavCommands> commands_;

@@ -138,8 +138,9 @@ void Tracker::follow(const TrackedTrajectory& trajectory) {
   now_.goal = trajectory.points.back();
   now_.goal.heading_rad = wrap_angle(points.back()[3]);
   now_.time_s = trajectory.skip_s;
-  trajectory_ = std::make_shared<Followed>(Followed{Spline(std::move(points), trajectory.dt_s), trajectory.use_heading,
-                                                    trajectory.is_loop, trajectory.input_id});
+  input_id_ = trajectory.input_id;
+  trajectory_ = std::make_shared<Followed>(
+      Followed{Spline(std::move(points), trajectory.dt_s), trajectory.use_heading, trajectory.is_loop});
   ahead_.clear();
 }
 

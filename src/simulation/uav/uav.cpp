@@ -148,6 +148,7 @@ void Uav::update_phase() {
     }
     return;
   }
+  is_remote_ = false;
   standing_W_ = truth_.pose.translation();
   standing_heading_rad_ = voxnav::geometry::yaw_of(truth_.pose);
   phase_ = FlightPhase::kIdle;
@@ -170,6 +171,8 @@ std::string Uav::refusal() const {
 /// Why goals and trajectories are refused; empty if they are taken.
 std::string Uav::reference_refusal() const {
   std::string why = refusal();
+  if (why.empty() && is_remote_) why = "callbacks are disabled under remote control";
+  if (why.empty() && !has_callbacks_) why = "callbacks are disabled";
   if (why.empty() && is_repelled_) why = "callbacks are disabled while the bumper repels an obstacle";
   if (why.empty() && refusals_.is_enabled && tracker_.mode() == TrackerMode::kBrake) {
     why = "callbacks are disabled while braking into a hover";
@@ -184,6 +187,13 @@ CommandResult Uav::take_off() {
   const Vec3 up(0, 0, config_.take_off_height_m - config_.standing_height_m);
   tracker_.go_to({s.position + up, s.heading_rad});
   return {true, "taking off"};
+}
+
+CommandResult Uav::set_remote(bool is_remote) {
+  if (is_remote && !is_flying_normally()) return refused("can not activate the remote control, not flying normally");
+  is_remote_ = is_remote;
+  if (is_remote) tracker_.brake();
+  return {true, is_remote ? "the pilot has the vehicle" : "the pilot has given the vehicle back"};
 }
 
 CommandResult Uav::land() {

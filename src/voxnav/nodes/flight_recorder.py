@@ -49,7 +49,8 @@ class FlightRecorder:
         self.speed_mps = 0.0
         self.reasons = []  # the reasons of the planner in order, without repetitions in a row
         rospy.Subscriber("uav_simulator/ground_truth", Odometry, self._on_truth, queue_size=TRACK_QUEUE)
-        rospy.Subscriber(odometry_topic, Odometry, self._on_odometry(record.odometry_track), queue_size=TRACK_QUEUE)
+        self._odometry_frame = None
+        rospy.Subscriber(odometry_topic, Odometry, self._on_estimate, queue_size=TRACK_QUEUE)
         self._trajectory = rospy.Subscriber(TRAJECTORY, Path, self._on_trajectory, queue_size=1)
         rospy.Subscriber("uav_simulator/clearance", Clearance, self._on_clearance, queue_size=TRACK_QUEUE)
         rospy.Subscriber("planning_manager/status", PlannerStatus, self._on_status, queue_size=5)
@@ -64,6 +65,12 @@ class FlightRecorder:
             with self._lock:
                 track.add(msg.header.stamp.to_sec(), (p.x, p.y, p.z))
         return callback
+
+    def _on_estimate(self, msg):
+        """Records the estimate until its origin is another one, since positions there have nothing to do with these."""
+        self._odometry_frame = self._odometry_frame or msg.header.frame_id
+        if msg.header.frame_id == self._odometry_frame:
+            self._on_odometry(self.record.odometry_track)(msg)
 
     def _on_truth(self, msg):
         v = msg.twist.twist.linear

@@ -36,6 +36,7 @@ class PlanningFences:
                                       config.max_area_size_m))
         self._lock = threading.RLock()  # services come in threads of their own
         self._placed = self._placed_at = None
+        self._frame = ""  # the odometry frame in which they are placed
         self._problem = ""
         self._file_problem = self._load(config)
         self._markers = rospy.Publisher("~fence_markers_out", MarkerArray, queue_size=1, latch=True)
@@ -63,6 +64,9 @@ class PlanningFences:
     def update(self, is_due=False):
         """Places the fences anew if it is time; to be called by the main loop."""
         with self._lock:
+            if self._inputs.odometry_frame != self._frame:
+                # In the origin of another estimator they are elsewhere: where they were placed before tells nothing.
+                self._frame, self._placed, is_due = self._inputs.odometry_frame, None, True
             if not is_due and self._placed_at is not None and self._seam.elapsed_s(self._placed_at) < PLACE_INTERVAL_S:
                 return
             self._placed_at = self._seam.mark()

@@ -6,10 +6,15 @@ import rospy
 import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from mrs_msgs.msg import ReferenceStamped
-from mrs_msgs.srv import ReferenceStampedSrv, ReferenceStampedSrvResponse, Vec4, Vec4Response
+from mrs_msgs.srv import (ReferenceStampedSrv, ReferenceStampedSrvResponse, TransformReferenceSrvRequest, Vec4,
+                          Vec4Response)
 from std_srvs.srv import Trigger, TriggerResponse
 
 from voxnav.nodes.planning_inputs import matrix
+from voxnav.nodes.planning_services import ServiceError, reference
+
+# The name by which MRS takes latitudes and longitudes [deg] as x and y; tf does not know it.
+LATLON = "latlon_origin"
 
 
 class GoalError(ValueError):
@@ -23,8 +28,10 @@ def yaw_of(R):
 class PlanningGoals:
     """Calls set_goal(goal_W, heading_W or None), which returns a problem, and stop(), which returns a text."""
 
-    def __init__(self, inputs, uav_name, set_goal, stop):
+    def __init__(self, inputs, uav_name, set_goal, stop, transform):
+        """transform: TimedService of the MRS control manager for references in frames that tf does not know."""
         self._inputs, self._uav_name, self._set_goal, self._stop = inputs, uav_name, set_goal, stop
+        self._transform = transform
         rospy.Subscriber("~goal_in", PoseStamped, self._on_goal, queue_size=1)
         rospy.Subscriber("~reference_in", ReferenceStamped, self._on_reference, queue_size=1)
         rospy.Service("~reference", ReferenceStampedSrv, self._serve_reference)
@@ -65,6 +72,8 @@ class PlanningGoals:
         try:
             if not np.isfinite(position).all() or (heading is not None and not np.isfinite(heading)):
                 return "goal is not finite"
+            if frame.split("/")[-1] == LATLON:
+                frame, position, heading = self._ask_control(frame, position, heading)
             T_W_F = self._to_map(frame)
             goal_W = T_W_F[:3, :3].dot(position) + T_W_F[:3, 3]
             if keeps_altitude:
@@ -73,6 +82,21 @@ class PlanningGoals:
             return str(error)
         heading_W = None if heading is None else heading + yaw_of(T_W_F)
         return self._set_goal(goal_W, heading_W)
+
+    def _ask_control(self, frame, position, heading):
+        """Lets the MRS control manager, which knows where on earth it is, express a goal in the control frame."""
+        request = TransformReferenceSrvRequest(frame_id=self._inputs.odometry_frame)
+        request.reference.header.frame_id = frame
+        request.reference.reference = reference(position, heading or 0.0)
+        try:
+            answer = self._transform.call(request)
+        except ServiceError as error:
+            raise GoalError("frame '%s' cannot be transformed: %s" % (frame, error))
+        if not answer.success:
+            raise GoalError("frame '%s' cannot be transformed: %s" % (frame, answer.message or "refused"))
+        out = answer.reference
+        p = out.reference.position
+        return out.header.frame_id, (p.x, p.y, p.z), None if heading is None else out.reference.heading
 
     def _altitude(self):
         position = self._inputs.position_O

@@ -46,17 +46,19 @@ def control_of(msg):
 class PlanningInputs:
     """Subscribes to all inputs and passes them to the manager and the map. `lock` protects the manager.
 
-    seam: a time seam of voxnav.nodes.time_seam; on_jump(sentence) is called when the odometry frame jumps.
+    seam: a time seam of voxnav.nodes.time_seam; on_jump(sentence) is called when the odometry frame jumps, and
+    on_closed(sentence) when the map was closed, to which goals belong.
     """
 
-    def __init__(self, config, manager, navigation_map, lock, on_jump, seam):
+    def __init__(self, config, manager, navigation_map, lock, on_jump, on_closed, seam):
         self._config, self._manager, self._map, self._lock = config, manager, navigation_map, lock
-        self._on_jump, self._seam = on_jump, seam
+        self._on_jump, self._on_closed, self._seam = on_jump, on_closed, seam
         self._stamps_s = {"odometry": 0.0, "tracker": 0.0, "control": 0.0, "state": 0.0}  # newest stamps
-        self._optimised_T_W_O = None  # published by the optimiser; None: that of tf is used
+        self._optimised = None  # T_W_O published by the optimiser, and the frame O; None: that of tf is used
+        self._closed_at = None  # when the map before the present one was closed; None: the optimiser was not heard yet
         self._correction_stamp = self._correction_mark = None  # newest on tf, when first seen
         self.odometry_frame, self.map_frame = "", config.map_frame
-        self.T_W_O = None
+        self._T_W_O, self._correction_frame = None, ""  # the map correction, and its frame O
         self.position_O = self.limits = None
         self.num_bad = 0
         self._iteration = None
@@ -92,12 +94,15 @@ class PlanningInputs:
         self._update_prediction()
         with self._lock:
             self._manager.set_lost_nodes(self._heartbeats.lost())
-            self._manager.set_frames(self.local.frame, self.odometry_frame)
+            self._set_frames()
+
+    def _set_frames(self):
+        self._manager.set_frames(self.local.frame, self.odometry_frame, self._correction_frame)
 
     def reset(self):
         """Forgets stamps and corrections; to be called after a jump of the clock."""
         self.tf_buffer.clear()
-        self.T_W_O = self._optimised_T_W_O = None
+        self._T_W_O = self._optimised = None
         self._map.clear_local()
         self._map.clear_obstacles()
 
@@ -116,10 +121,10 @@ class PlanningInputs:
         if not (np.isfinite(position).all() and np.isfinite(velocity).all()):
             self.num_bad += 1
             return
-        self.odometry_frame = msg.header.frame_id
-        self.position_O = position
         self._map.set_vehicle(position)
         with self._lock:
+            self.odometry_frame, self.position_O = msg.header.frame_id, position
+            self._set_frames()  # before anything is checked with a place in another frame
             self._manager.set_vehicle(msg.header.stamp.to_sec(), position, velocity)
         self._note("odometry", msg.header.stamp.to_sec())
 
@@ -183,24 +188,31 @@ class PlanningInputs:
         except ValueError as error:
             self._refuse_correction(error)
             return
-        self._seam.deliver(msg.header.stamp.to_sec(), self._take_optimised, T_W_O)
+        is_closed = self._closed_at is not None and msg.closed_at > self._closed_at
+        self._closed_at = msg.closed_at
+        closed = msg.closed_because if is_closed else ""
+        self._seam.deliver(msg.header.stamp.to_sec(), self._take_optimised, T_W_O, msg.odometry_frame, closed)
 
-    def _take_optimised(self, T_W_O):
-        self._optimised_T_W_O = T_W_O
+    def _take_optimised(self, T_W_O, frame, closed):
+        if closed:
+            self._map.clear_obstacles()
+            self._on_closed(closed)
+        self._optimised = (T_W_O, frame)
 
     def _update_correction(self, now_s):
         """Updates T_W_O, which the optimiser publishes with the poses of its submaps; tf shows that it is alive.
 
         Before there are submaps, and if nobody publishes their poses, T_W_O is that of tf.
         """
+        frame = self.odometry_frame
         if not self._config.use_map_correction:
-            self.map_frame = self.odometry_frame or self.map_frame
-            self._set_correction(now_s, IDENTITY)
+            self.map_frame = frame or self.map_frame
+            self._set_correction(now_s, IDENTITY, frame)
             return
-        if not self.odometry_frame:
+        if not frame:
             return
         try:
-            found = self.tf_buffer.lookup_transform(self.map_frame, self.odometry_frame, rospy.Time(0))
+            found = self.tf_buffer.lookup_transform(self.map_frame, frame, rospy.Time(0))
         except tf2_ros.TransformException as error:
             rospy.logwarn_throttle(10.0, "no map correction: %s", error)
             return
@@ -209,24 +221,32 @@ class PlanningInputs:
             self._correction_stamp, self._correction_mark = stamp, self._seam.mark()
         # A static transform has no stamp and holds for ever.
         age_s = 0.0 if stamp.is_zero() else self._seam.elapsed_s(self._correction_mark)
-        self._set_correction(now_s - age_s, found.transform)
+        self._set_correction(now_s - age_s, found.transform, frame)
 
-    def _set_correction(self, stamp_s, transform):
+    def _set_correction(self, stamp_s, transform, frame):
         if self._poses_in.get_num_connections() == 0:
-            self._optimised_T_W_O = None  # a restarted optimiser will publish it again
+            self._optimised = None  # a restarted optimiser will publish it again
         try:
             T = matrix(transform.translation, transform.rotation)
         except ValueError as error:
             self._refuse_correction(error)
             return
-        self._keep_correction(stamp_s, T if self._optimised_T_W_O is None else self._optimised_T_W_O)
+        # After the estimator was switched, tf knows T_W_O already, and the optimiser has still to follow.
+        is_of_this_origin = self._optimised is not None and self._optimised[1] in ("", frame)
+        self._keep_correction(stamp_s, self._optimised[0] if is_of_this_origin else T, frame)
 
     def _refuse_correction(self, error):
         self.num_bad += 1
         rospy.logwarn_throttle(5.0, "map correction refused: %s", error)
 
-    def _keep_correction(self, stamp_s, T):
+    def _keep_correction(self, stamp_s, T, frame):
         self._map.set_T_W_O(T)
         with self._lock:
             self._manager.set_T_W_O(stamp_s, T)
-        self.T_W_O = T
+            self._T_W_O, self._correction_frame = T, frame
+            self._set_frames()
+
+    @property
+    def T_W_O(self):
+        """The map correction (4, 4); None while it is not known for the vehicle's frame."""
+        return self._T_W_O if self._correction_frame == self.odometry_frame else None

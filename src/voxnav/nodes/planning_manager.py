@@ -7,6 +7,7 @@ import traceback
 
 import numpy as np
 import rospy
+from mrs_msgs.srv import TransformReferenceSrv
 
 import voxnav
 from voxnav.msg import NodeDiagnostics
@@ -17,7 +18,7 @@ from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_home import PlanningHome
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
-from voxnav.nodes.planning_services import ControlServices
+from voxnav.nodes.planning_services import ControlServices, TimedService
 from voxnav.nodes.time_seam import WorkTimes, seam_for
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
@@ -47,9 +48,11 @@ class PlanningManagerNode:
         self._output = PlanningOutput()
         self._services = ControlServices(node, manager.trajectory_deviation_m, self._seam)
         self._executors = self._make_executors(work)
-        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._seam)
+        self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._on_closed,
+                                      self._seam)
         uav_name = rospy.get_namespace().strip("/").split("/")[0]
-        self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop)
+        transform = TimedService("~transform_reference_out", TransformReferenceSrv, node.service_timeout_s, self._seam)
+        self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop, transform)
         self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
         self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
                                   self._seam)
@@ -137,6 +140,12 @@ class PlanningManagerNode:
         rospy.logwarn("[%s]: %s", NAME, reason)
         with self._lock:
             actions = self._manager.frame_jumped(reason, self._seam.now().to_sec())
+        self._dispatch(actions)
+
+    def _on_closed(self, reason):
+        rospy.logerr("[%s]: the map was closed: %s", NAME, reason)
+        with self._lock:
+            actions = self._manager.map_closed(reason, self._seam.now().to_sec())
         self._dispatch(actions)
 
     # Actions

@@ -12,22 +12,21 @@ import time
 
 import numpy as np
 import rospy
-import tf2_ros
-from geometry_msgs.msg import TransformStamped
 from mrs_msgs.msg import Float64Stamped
 from mrs_msgs.srv import String, StringResponse
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import NavSatFix
-from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import MarkerArray
 
 import voxnav
-from voxnav.msg import FinishedSubmap, LoopClosure, NodeDiagnostics, OptimizerReport, SubmapPoses
+from voxnav.msg import (FinishedSubmap, LoopClosure, NodeDiagnostics, OdometryOrigin, OptimizerReport,
+                        SubmapPoses)
 from voxnav.nodes import graph_messages
+from voxnav.nodes.correction_broadcast import CorrectionBroadcast
 from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
-from voxnav.nodes.poses import transform_to_msg
+from voxnav.nodes.graph_origins import Change, GraphOrigins
 from voxnav.nodes.time_seam import ProgressPublisher
 from voxnav.optimizer_session import Height, OptimizerSession
 from voxnav.srv import GetSubmaps
@@ -49,11 +48,11 @@ class SubmapOptimizer:
         self._kept_name = rospy.get_name() + "_kept_correction"
         self._jobs = queue.Queue(maxsize=self._config.max_queue)
         self._fixes = graph_messages.FixReader()
-        self._correction_lock = threading.Lock()
-        self._odometry_frame, self._T_O_W = self._config.odometry_frame, np.eye(4)
+        self._correction = CorrectionBroadcast(self._config.map_frame, self._config.tf_rate_hz)
         self._first_T_W_O = np.eye(4)
+        self._origins = GraphOrigins(self._config.odometry_frame)  # those of T_W_O, of the worker
+        self._closed_at, self._closed_because = rospy.Time(0), ""
         self._latest_stamp = rospy.Time(0)
-        self._is_restored = threading.Event()  # before, T_W_O is not known
         self._advertise()
         self._jobs.put(("restore", self._restore, ()))  # runs before the submaps that arrive from now on are added
         self._subscribe()
@@ -67,16 +66,14 @@ class SubmapOptimizer:
         self._markers_out = latched("~graph_markers_out", MarkerArray)
         self._trajectory_out = latched("~trajectory_out", Path)
         self._report_out = latched("~report_out", OptimizerReport)
-        self._broadcaster = tf2_ros.TransformBroadcaster()
         rospy.Service("~optimize_in", Trigger, self._on_optimize)
         rospy.Service("~save_g2o_in", String, self._on_save)
         rospy.Service("~enable_kind_in", String, lambda request: self._on_kind(request.value, True))
         rospy.Service("~disable_kind_in", String, lambda request: self._on_kind(request.value, False))
-        # The timer runs on wall time: the correction has to be on tf also while a simulated clock is stepped.
-        threading.Thread(target=self._broadcast, name="tf", daemon=True).start()
 
     def _subscribe(self):
         rospy.Subscriber("~submap_in", FinishedSubmap, self._on_submap, queue_size=50)
+        rospy.Subscriber("~origin_in", OdometryOrigin, self._on_origin, queue_size=5)
         rospy.Subscriber("~loop_closure_in", LoopClosure, self._on_loop, queue_size=50)
         rospy.Subscriber("~height_in", Float64Stamped, self._on_height, queue_size=50)
         if self._config.gnss_type == voxnav.GnssType.ODOMETRY:
@@ -94,7 +91,7 @@ class SubmapOptimizer:
             self._first_T_W_O = first_T_W_O if self._session.records else last_T_W_O
             self._set_correction()
         finally:
-            self._is_restored.set()
+            self._correction.start()
 
     def _kept_corrections(self):
         """Returns T_W_O when the first and the last submap were placed, since W must not move by a restart."""
@@ -111,8 +108,7 @@ class SubmapOptimizer:
         rospy.set_param(self._kept_name, kept)
 
     def _set_correction(self):
-        with self._correction_lock:
-            self._T_O_W = np.linalg.inv(self._session.T_W_O)
+        self._correction.set(self._origins.frame, np.linalg.inv(self._session.T_W_O))
 
     def _restore_submaps(self):
         """Requests the finished submaps from the integrator. Returns True if there are any."""
@@ -146,6 +142,9 @@ class SubmapOptimizer:
 
     def _on_submap(self, msg):
         self._enqueue("submap", self._add_submap, msg)
+
+    def _on_origin(self, msg):
+        self._enqueue("origin", self._take_origin, msg)
 
     def _on_loop(self, msg):
         self._enqueue("loop", self._add_loop, msg)
@@ -204,15 +203,38 @@ class SubmapOptimizer:
                 self._diagnostics.set_level(NodeDiagnostics.WARN, "%s refused: %s" % (stage, error))
                 rospy.logwarn_throttle(1.0, "[%s]: %s refused: %s", NAME, stage, error)
 
+    def _take_origin(self, msg):
+        """Follows the odometry to another origin; closes the map if that does not relate to the one before."""
+        frame, before = msg.header.frame_id, self._origins.frame
+        change, T_new_old = self._origins.follow(msg)
+        if change is Change.NONE:
+            self._set_correction()
+            return
+        if change is Change.UNRELATED:
+            because = "the odometry changed from %s to %s, which do not relate" % (before, frame)
+            self._close_map(msg.header.stamp, because)
+        else:
+            self._session.change_origin(T_new_old)
+            self._first_T_W_O = self._first_T_W_O @ np.linalg.inv(T_new_old)
+            rospy.logwarn("[%s]: the map is expressed in %s from now on", NAME, frame)
+        self._publish_poses(max(self._latest_stamp, msg.header.stamp))
+        self._set_correction()
+        self._keep_corrections()
+
+    def _close_map(self, stamp, because):
+        """Begins a new map, to which the present one does not relate."""
+        rospy.logerr("[%s]: the map is closed: %s", NAME, because)
+        self._diagnostics.set_level(NodeDiagnostics.WARN, "the map was closed: " + because)
+        self._session, self._first_T_W_O = OptimizerSession(self._graph_config, self._config), np.eye(4)
+        self._closed_at, self._closed_because = stamp, because
+
     def _take(self, msg):
         """Adds one submap. Returns True if it is new."""
         record = graph_messages.record_from_msg(msg)
+        record = record._replace(T_O_S=self._origins.into(msg.header.frame_id) @ record.T_O_S)
         with self._diagnostics.time("add"):
             is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg, record))
         self._latest_stamp = max(self._latest_stamp, msg.header.stamp)
-        if msg.header.frame_id:
-            with self._correction_lock:
-                self._odometry_frame = msg.header.frame_id
         return is_new
 
     def _add_submap(self, msg):
@@ -238,8 +260,7 @@ class SubmapOptimizer:
     def _publish(self, report, solve_s):
         frame, stamp, session = self._config.map_frame, self._latest_stamp, self._session
         with self._diagnostics.time("publish"):
-            self._progress.announce(stamp)
-            self._poses_out.publish(graph_messages.poses_to_msg(session, stamp, frame))
+            self._publish_poses(stamp)
             self._report_out.publish(graph_messages.report_to_msg(report, session, stamp, frame, solve_s))
             self._markers_out.publish(
                 graph_messages.markers_to_msg(session, stamp, frame, self._config.max_marker_lines))
@@ -250,6 +271,13 @@ class SubmapOptimizer:
             self._diagnostics.set_counter(name, value)
         for kind, count in session.dropped.items():
             self._diagnostics.set_counter("dropped_" + kind, count)
+
+    def _publish_poses(self, stamp):
+        msg = graph_messages.poses_to_msg(self._session, stamp, self._config.map_frame)
+        msg.odometry_frame = self._origins.frame
+        msg.closed_at, msg.closed_because = self._closed_at, self._closed_because
+        self._progress.announce(stamp)
+        self._poses_out.publish(msg)
 
     def _solve_and_tell(self):
         report = self._solve(full=True)
@@ -267,20 +295,6 @@ class SubmapOptimizer:
         self._session.graph.set_kind_enabled(kind, is_enabled)
         self._solve()
         return "%s constraints are %s" % (kind, "on" if is_enabled else "off")
-
-    def _broadcast(self):
-        period_s = 1.0 / self._config.tf_rate_hz
-        last_stamp = None
-        self._is_restored.wait()
-        while not rospy.is_shutdown():
-            stamp = rospy.Time.now()
-            if stamp != last_stamp and not stamp.is_zero():  # a stamp sent twice makes tf2 complain
-                with self._correction_lock:
-                    header, T_O_W = Header(stamp=stamp, frame_id=self._odometry_frame), self._T_O_W
-                self._broadcaster.sendTransform(TransformStamped(
-                    header=header, child_frame_id=self._config.map_frame, transform=transform_to_msg(T_O_W)))
-                last_stamp = stamp
-            time.sleep(period_s)
 
 
 def main():

@@ -64,8 +64,8 @@ def _moving_because(outcome: PlanOutcome, leads: Leads) -> Because:
 def publish_done(state: State, number: int, problem: str, facts: Facts, is_modified: bool = False) -> Step:
     """Takes the tracker's answer: it flies the trajectory from now on, or has refused it.
 
-    is_modified: the control manager has cut the trajectory at its safety area, or moved it into that. What is flown then
-    is not what was verified, and the same goal would be answered the same way again.
+    is_modified: the control manager has cut the trajectory at its safety area, or moved it into that. What is flown
+    then is not what was verified, and the same goal would be answered the same way again.
     """
     if isinstance(state, Idle) or not isinstance(state.job, Publishing) or state.job.job != number:
         return _late(state, problem, facts)

@@ -124,10 +124,17 @@ class Control:
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of the local map and of the odometry; None until they are known."""
+    """Frames of the local map, of the odometry, and of the map correction T_W_O; None until they are known."""
 
     map: Optional[str] = None
     odometry: Optional[str] = None
+    correction: Optional[str] = None
+
+    @property
+    def differ(self) -> bool:
+        """True if places on the maps are not those of the vehicle: nothing can be checked or planned then."""
+        known = {frame for frame in (self.map, self.odometry, self.correction) if frame is not None}
+        return len(known) > 1
 
 
 @dataclass(frozen=True, eq=False)

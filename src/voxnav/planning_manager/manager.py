@@ -90,9 +90,9 @@ class PlanningManager:
     def set_map_stamp(self, stamp_s: float) -> None:
         self._inputs = replace(self._inputs, map_stamp_s=stamp_s)
 
-    def set_frames(self, map: str, control: str) -> None:
-        """Sets the frames of the local map and of the odometry; '' if unknown."""
-        self._inputs = replace(self._inputs, frames=Frames(map or None, control or None))
+    def set_frames(self, map: str, control: str, correction: str = "") -> None:
+        """Sets the frames of the local map, of the odometry, and of the map correction; '' if unknown."""
+        self._inputs = replace(self._inputs, frames=Frames(map or None, control or None, correction or None))
 
     def set_lost_nodes(self, names: Iterable[str]) -> None:
         self._inputs = replace(self._inputs, lost_nodes=frozenset(names))
@@ -133,6 +133,11 @@ class PlanningManager:
     def frame_jumped(self, sentence: str, now_s: float) -> List[Action]:
         because = Because(Reason.FRAME_JUMPED, sentence)
         return self._take(stopping.jump_frame(self._state, because, self._facts(now_s)))
+
+    def map_closed(self, sentence: str, now_s: float) -> List[Action]:
+        """Takes note that the map was closed in which the goal is. It cannot be expressed in the new one."""
+        because = Because(Reason.MAP_CLOSED, "goal dropped: the map was closed: " + sentence)
+        return self._take(stopping.close_map(self._state, because, self._facts(now_s)))
 
     def tick(self, now_s: float) -> List[Action]:
         """Runs one step of the main loop; to be called at 20 Hz."""
@@ -190,8 +195,10 @@ class PlanningManager:
 
     @property
     def status(self) -> Status:
-        state, goal = self._state, self._state.goal
-        because = state.danger if isinstance(state, Idle) and state.danger is not None else state.because
+        state, goal, because = self._state, self._state.goal, self._state.because
+        if isinstance(state, Idle) and state.danger is not None:
+            told = because.sentence + "; " if because.reason is Reason.TAKEN_OVER else ""
+            because = state.danger.with_prefix(told)
         return replace(self._status, state=_NUMBERS[type(state)], because=because,
                        goal_W=None if goal is None else goal.position_W)
 
@@ -204,7 +211,8 @@ class PlanningManager:
         return np.asarray(flight.trajectory.points_from_arc(flight.arc_m(facts.vehicle.position_O, now_s)))
 
     def _facts(self, now_s: float) -> Facts:
-        return Facts(now_s, self._inputs, self._config, self._num_jobs + 1, self._look)
+        facts = Facts(now_s, self._inputs, self._config, self._num_jobs + 1, self._look)
+        return facts.blind() if self._inputs.frames.differ else facts
 
     def _is_current(self, number: int) -> bool:
         return not isinstance(self._state, Idle) and self._state.job is not None and self._state.job.job == number

@@ -48,9 +48,13 @@ def _missing_map(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]
     old = _missing(grid, Reason.NO_MAP, "local map", now_s, config.map_timeout_s)
     if old is not None:
         return old
-    if None not in (inputs.frames.map, inputs.frames.odometry) and inputs.frames.map != inputs.frames.odometry:
+    frames = inputs.frames
+    if frames.differ and frames.map != frames.odometry:
         return Because(Reason.FRAMES_DIFFER, "the local map is in frame %s, the vehicle in %s" % (
-            inputs.frames.map, inputs.frames.odometry))
+            frames.map, frames.odometry))
+    if frames.differ:
+        return Because(Reason.FRAMES_DIFFER, "the map correction is of frame %s, the vehicle in %s" % (
+            frames.correction, frames.odometry))
     timeout_s = config.correction_timeout_s if config.correction_timeout_s > 0.0 else None
     old = _missing(inputs.T_W_O, Reason.NO_CORRECTION, "map correction", now_s, timeout_s)
     if old is not None:

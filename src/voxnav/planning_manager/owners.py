@@ -22,6 +22,7 @@ def who_flies(control: Control) -> Optional[Because]:
         return Because(Reason.LANDING, "the vehicle lands")
     if control.is_on_ground:
         return Because(Reason.NOT_FLYING, "not flying")
-    what = "the callbacks of the control manager are disabled, or it flies an emergency"
+    # The control manager does not tell these apart: a flight mode that the pilot chose on the transmitter, for one.
+    what = "not flown normally: callbacks are disabled, a pilot has the vehicle, or it is an emergency"
     names = " with ".join(name for name in (control.tracker, control.controller) if name)
     return Because(Reason.NOT_NORMAL, what + (" (%s)" % names if names else ""))

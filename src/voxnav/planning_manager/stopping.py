@@ -74,6 +74,15 @@ def jump_frame(state: State, because: Because, facts: Facts) -> Step:
     return replace(state, job=None, plan_from_s=later_s), ()
 
 
+def close_map(state: State, because: Because, facts: Facts) -> Step:
+    """Drops a goal whose map was closed, and hovers if the vehicle flies to it."""
+    if state.goal is None:
+        return state, ()
+    if is_in_motion(state):
+        return stop(state, because, facts.blind())
+    return Idle(because, None, own_hover(state)), ()
+
+
 def lose(state: State, missing: Because, facts: Facts) -> Step:
     """Hovers, keeps the goal and waits, because something that a flight needs is missing."""
     stopping = own_hover(state)

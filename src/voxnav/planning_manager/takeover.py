@@ -22,8 +22,8 @@ TRACKER_STEP_S = 0.3
 TAKEN_SHOWS_S = 0.5
 # A prediction and diagnostics this near in time are about the same command.
 FRESH_S = 0.3
-# A tracker that is to move horizontally by more than this obeys a reference. Trackers that climb over other UAVs do not,
-# nor do those that come to rest within REST_S after a trajectory of voxnav.
+# A tracker that is to move horizontally by more than this obeys a reference. Trackers that climb over other UAVs do
+# not, nor do those that come to rest within REST_S after a trajectory of voxnav.
 REFERENCE_M, REST_S = 1.5, 2.0
 
 
