@@ -105,6 +105,7 @@ class FencesTest(unittest.TestCase):
         self.assertGreater(status.way_home_s, status.way_home_m / 8.0)
         answer = self.return_home()
         self.assertTrue(answer.success, answer.message)
+        self.wait(lambda: self.recorder.status.has_goal, "the way home in the status")
         self.arrive()
         self.assertLess(np.linalg.norm(self.place()[:2]), 2.0)
         for place in self.places():

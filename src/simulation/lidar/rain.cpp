@@ -21,9 +21,10 @@ Rain::Rain(const LidarConfig& config) : config_(config) {
   mean_diameter_m_ = 1e-3 * std::pow(config.rain_mm_per_h, 0.21) / 4.1;
   const double drops_per_m3 = kDropsPerM4 * mean_diameter_m_;
   double sum = 0.0;
-  for (double range = config.min_range_m; range < kFarthestDrop_m; range += kStep_m) {
+  const auto num_steps = static_cast<int>(std::ceil((kFarthestDrop_m - config.min_range_m) / kStep_m));
+  for (int step = 0; step < num_steps; ++step) {
     seen_drops_.push_back(sum);
-    const double middle = range + 0.5 * kStep_m, footprint = footprint_m(middle);
+    const double middle = config.min_range_m + (step + 0.5) * kStep_m, footprint = footprint_m(middle);
     sum += kStep_m * 0.25 * M_PI * footprint * footprint * drops_per_m3 *
            std::exp(-least_diameter_m(middle) / mean_diameter_m_);
   }
