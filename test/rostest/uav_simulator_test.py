@@ -10,9 +10,11 @@ import unittest
 
 import rospy
 import rostest
+from geometry_msgs.msg import Point
 from mrs_msgs.msg import ControlManagerDiagnostics, DynamicsConstraints, Path, Reference, TrackerCommand
-from mrs_msgs.msg import TrajectoryReference, UavState
-from mrs_msgs.srv import GetPathSrv, ReferenceStampedSrv, String, TrajectoryReferenceSrv, Vec4
+from mrs_msgs.msg import ReferenceStamped, TrajectoryReference, UavState
+from mrs_msgs.srv import (GetPathSrv, ReferenceStampedSrv, String, TrajectoryReferenceSrv, TransformReferenceSrv,
+                          Vec4)
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
@@ -187,6 +189,35 @@ class UavSimulatorTest(unittest.TestCase):
         wait_for(lambda: abs(self.state.message.velocity.linear.x) + abs(self.state.message.velocity.linear.y) < 0.03,
                  "standing still")
         self.assertLess(distance(before, self.position()), 5.0)
+
+    def test_6b_the_estimator_is_switched_and_everything_comes_in_the_other_origin(self):
+        change = service("estimation_manager/change_estimator", String)
+        self.assertIn("no estimator", change("vio").message)
+        self.assertIn("active already", change("gps_garmin").message)
+        before, iteration = self.position(), self.state.message.estimator_iteration
+        self.assertTrue(change("gps_baro").success)
+        in_control = (self.state, self.odom, self.command)
+        wait_for(lambda: all(each.message.header.frame_id == "uav1/gps_baro_origin" for each in in_control), "a switch")
+        self.assertEqual(self.state.message.estimator_iteration, iteration + 1)
+        for p in (self.position(), self.odom.message.pose.pose.position, self.command.message.position,
+                  self.command.message.full_state_prediction.position[0]):
+            # The other origin is at (3, -2, 1) with heading 0.3 in the first one. The vehicle has not moved.
+            x = 3.0 + math.cos(0.3) * p.x - math.sin(0.3) * p.y
+            y = -2.0 + math.sin(0.3) * p.x + math.cos(0.3) * p.y
+            self.assertLess(math.sqrt((x - before.x) ** 2 + (y - before.y) ** 2 + (p.z + 1.0 - before.z) ** 2), 0.2)
+        here = self.expressed("uav1/gps_baro_origin", self.position(), "gps_garmin_origin")
+        self.assertLess(distance(here, before), 0.2)
+
+    def expressed(self, frame, p, to):
+        msg = ReferenceStamped(reference=reference(p.x, p.y, p.z))
+        msg.header.frame_id = frame
+        answer = service("control_manager/transform_reference", TransformReferenceSrv)(to, msg)
+        self.assertTrue(answer.success, answer.message)
+        return answer.reference.reference.position
+
+    def test_6c_places_on_earth_are_transformed(self):
+        there = self.expressed("latlon_origin", Point(49.3625 + 1e-3, 14.2613, 7.0), "world_origin")
+        self.assertLess(distance(there, Point(0.0, 111.3, 7.0)), 0.1)
 
     def test_7_time_waits_for_the_planner_but_not_for_ever(self):
         cls = type(self)
