@@ -9,7 +9,6 @@ endif()
 find_package(pybind11 REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(Ceres REQUIRED)
-find_package(octomap REQUIRED)
 find_package(Threads REQUIRED)
 
 # Only the simulator needs Embree and yaml-cpp. Without Embree, which some arm64 distributions lack, all else is built.

@@ -59,6 +59,8 @@ void bind_navigation_map(py::module_& m) {
           "set_fences",
           [](NavigationMap& map, const std::shared_ptr<planning::Fences>& fences) { map.set_fences(fences); },
           py::arg("fences_O").none(true), "Sets the fences of the flight, frame O; None for no fences.")
+      .def("set_altitudes", &NavigationMap::set_altitudes, py::arg("min_m"), py::arg("max_m"),
+           "Replaces the altitude limits of the configuration, for all later views. Raises ConfigError.")
       .def("clear_local", &NavigationMap::clear_local)
       .def("clear_obstacles", &NavigationMap::clear_obstacles)
       .def("view", &mutable_view, "Snapshot in frame O as an OccupancyView; None until everything is known.");

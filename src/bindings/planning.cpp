@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <memory>
 
 #include "arrays.hpp"
@@ -10,6 +11,7 @@
 #include "voxnav/planning/a_star.hpp"
 #include "voxnav/planning/clearance_field.hpp"
 #include "voxnav/planning/corridor.hpp"
+#include "voxnav/planning/obstacle_sectors.hpp"
 #include "voxnav/planning/path_planner.hpp"
 
 namespace voxnav::bindings {
@@ -44,6 +46,25 @@ CorridorResult corridor(const py::object& map, const py::array& points, double r
   const CorridorRule rule = allow_unknown ? CorridorRule::kNotOccupied : CorridorRule::kKnownFreeOnly;
   py::gil_scoped_release release;
   return check_corridor(*view, line, radius_m, rule);
+}
+
+py::tuple sectors(const ObstacleSectorsConfig& config, const py::object& map, const py::object& position,
+                  double heading_rad) {
+  const auto view = view_of(map, 0.0);
+  const geometry::Vec3 at = vec3_of(position, "position");
+  std::vector<ObstacleSector> found;
+  {
+    py::gil_scoped_release release;
+    found = obstacle_sectors(config, *view, at, heading_rad);
+  }
+  const auto count = static_cast<py::ssize_t>(found.size());
+  py::array_t<bool> is_known(count);
+  py::array_t<double> distance_m(count);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    is_known.mutable_data()[i] = found[i].is_known;
+    distance_m.mutable_data()[i] = found[i].has_obstacle ? found[i].distance_m : std::nan("");
+  }
+  return py::make_tuple(is_known, distance_m);
 }
 
 ClearanceUpdate update_field(ClearanceField& field, const py::object& map) {
@@ -147,6 +168,15 @@ void bind_plan_result(py::module_& m) {
       .def_readonly("memory_bytes", &PlanResult::memory_bytes);
 }
 
+void bind_obstacle_sectors(py::module_& m) {
+  bind_config<ObstacleSectorsConfig>(m, "ObstacleSectorsConfig", "How the space around a vehicle is divided.");
+  m.def(
+      "obstacle_sectors", &sectors, py::arg("config"), py::arg("view"), py::arg("position"), py::arg("heading_rad"),
+      "Returns (is_known, distance_m), (n + 2,) bool and float64, of the n sectors around a vehicle, counter-clockwise "
+      "from\nahead, then below and above. distance_m [m] is that to the nearest occupied voxel, NaN without one.\n\n"
+      "Raises ValueError unless position and heading are finite.");
+}
+
 void bind_corridor(py::module_& m) {
   py::class_<CorridorResult>(m, "CorridorResult", "Outcome of a corridor check.")
       .def_readonly("safe", &CorridorResult::is_safe)
@@ -181,6 +211,7 @@ void bind_planning(py::module_& m) {
   bind_plan_result(m);
   bind_fences(m);
   bind_corridor(m);
+  bind_obstacle_sectors(m);
   bind_clearance_field(m);
   bind_config<AStarConfig>(m, "AStarConfig", "Costs and limits of a search.");
   py::class_<AStarPlanner>(m, "AStarPlanner",

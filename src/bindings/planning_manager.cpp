@@ -7,6 +7,7 @@
 #include "configs/fences_config.hpp"
 #include "configs/flight_search_config.hpp"
 #include "configs/home_config.hpp"
+#include "configs/octomap_face_config.hpp"
 #include "configs/planning_node_config.hpp"
 #include "configs/work_time_config.hpp"
 #include "point_lists.hpp"
@@ -112,6 +113,11 @@ void bind_planning_manager(py::module_& m) {
           "Returns the values as a PathPlannerConfig.")
       .def("field_config", &FlightSearchConfig::field_config,
            "Returns the ClearanceFieldConfig of a field that keeps the distances which the search needs.");
+  bind_words<HeadingMode>(m, "HeadingMode", "Which headings trajectories have.");
+  bind_config<HeadingConfig>(m, "HeadingConfig", "Headings of the planning manager's trajectories.");
+  bind_config<OctomapServerConfig>(m, "OctomapServerConfig", "The node that stands in for mrs_octomap_server.");
+  bind_config<OctomapPlannerConfig>(m, "OctomapPlannerConfig", "The node that stands in for mrs_octomap_planner.");
+  bind_config<BumperNodeConfig>(m, "BumperNodeConfig", "The bumper node beside its sectors.");
   bind_trajectory(m);
   m.def(
       "flight_time",

@@ -283,6 +283,15 @@ void bind_submap_collection(py::module_& m) {
           "Loads a saved map. Raises with the reason if something is broken; with recover=True it returns (collection\n"
           "of what is intact, list of problems) instead.\n\n"
           "config: SubmapCollectionConfig to use instead of the saved settings.")
+      .def_static(
+          "load_octomap",
+          [](const std::string& path, const SubmapCollectionConfig& config) {
+            const py::gil_scoped_release release;
+            return submap::load_octomap(path, config);
+          },
+          py::arg("path"), py::arg("config") = SubmapCollectionConfig{},
+          "Makes a map of an OctoMap file (.ot or .bt), whose occupied voxels become surfaces and all others free.\n\n"
+          "Raises RuntimeError naming the file if it cannot be read, or has voxels of another size than the config.")
       .def(
           "export",
           [](SubmapCollection& c, const std::string& dir) { return said_shift(export_into(&c, dir), dir + "/map.ot"); },

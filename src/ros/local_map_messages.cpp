@@ -4,6 +4,7 @@
 #include "voxnav/occupancy/octomap_export.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/messages.hpp"
+#include "voxnav_ros/octomap_messages.hpp"
 
 namespace voxnav_ros {
 
@@ -27,13 +28,8 @@ msg::Handover to_msg(const voxnav::pipeline::Handover& handover, const std::stri
 
 octomap_msgs::Octomap octomap_of(const voxnav::occupancy::LocalMap& map, bool is_binary,
                                  const std_msgs::Header& header) {
-  octomap_msgs::Octomap msg;
-  msg.header = header;
-  msg.binary = is_binary;
-  msg.id = "OcTree";
-  msg.resolution = static_cast<float>(map.config().resolution_m);
-  msg.data = voxnav::occupancy::octomap_message_data(map, is_binary);
-  return msg;
+  return octomap_message(voxnav::occupancy::octomap_message_data(map, is_binary), is_binary, map.config().resolution_m,
+                         header);
 }
 
 }  // namespace voxnav_ros

@@ -26,7 +26,6 @@ struct LocalMapperConfig {
   double snapshot_period_s = 0.0;
   double occupied_period_s = 10.0;
   double octomap_period_s = 1.0;
-  bool is_octomap_binary = false;
 
   template <class V>
   static void fields(V&& v) {
@@ -48,8 +47,8 @@ struct LocalMapperConfig {
     v("occupied_period_s", &C::occupied_period_s, in(0.1, 1000.0), "s",
       "period of the cloud of occupied voxels on ~occupied_out");
     v("octomap_period_s", &C::octomap_period_s, in(0.05, 1000.0), "s",
-      "period of OctoMaps on ~octomap_out, sent while somebody subscribes");
-    v("is_octomap_binary", &C::is_octomap_binary, any(), "", "OctoMaps tell occupied and free only, not probabilities");
+      "period of OctoMaps on ~octomap_out (probabilities) and ~octomap_binary_out (occupied or free), each sent while "
+      "somebody subscribes; less than the period of scans sends one for each scan");
   }
   std::vector<std::string> problems() const;
 };

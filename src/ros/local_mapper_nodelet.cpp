@@ -65,6 +65,7 @@ void LocalMapperNodelet::advertise() {
   handovers_ = nh.advertise<msg::Handover>("handover_out", 20);
   occupied_ = nh.advertise<sensor_msgs::PointCloud2>("occupied_out", 1, true);
   octomap_ = nh.advertise<octomap_msgs::Octomap>("octomap_out", 1, true);
+  octomap_binary_ = nh.advertise<octomap_msgs::Octomap>("octomap_binary_out", 1, true);
   services_ = {nh.advertiseService("get_map_in", &LocalMapperNodelet::on_get_map, this),
                nh.advertiseService("save_in", &LocalMapperNodelet::on_save, this),
                nh.advertiseService("load_in", &LocalMapperNodelet::on_load, this),
@@ -204,10 +205,17 @@ void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {
     const std::vector<float> points = mapper_->map().occupied_points();
     occupied_.publish(xyz_cloud_of(voxnav::geometry::view_of_rows(points), header(stamp)));
   }
-  if (octomap_.getNumSubscribers() == 0 || !is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
+  if (octomap_.getNumSubscribers() + octomap_binary_.getNumSubscribers() == 0) return;
+  if (!is_due(stamp, config_.octomap_period_s, &last_octomap_)) return;
+  publish_octomap(octomap_, false, stamp);
+  publish_octomap(octomap_binary_, true, stamp);
+}
+
+void LocalMapperNodelet::publish_octomap(const ros::Publisher& publisher, bool is_binary, const ros::Time& stamp) {
+  if (publisher.getNumSubscribers() == 0) return;
   const auto timer = diagnostics().time("octomap");
   try {
-    octomap_.publish(octomap_of(mapper_->map(), config_.is_octomap_binary, header(stamp)));
+    publisher.publish(octomap_of(mapper_->map(), is_binary, header(stamp)));
   } catch (const std::length_error& error) {
     warn(std::string("no OctoMap is published: ") + error.what());
   }

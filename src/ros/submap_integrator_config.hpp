@@ -34,6 +34,7 @@ struct SubmapIntegratorConfig {
   int max_changes = 100;
   double slice_offset_m = 0.0;
   double slice_max_distance_m = 6.0;
+  double octomap_period_s = 1.0;
   std::string autosave_dir;
 
   template <class V>
@@ -71,6 +72,9 @@ struct SubmapIntegratorConfig {
       "height of the slice above the end of the newest submap");
     v("slice_max_distance_m", &C::slice_max_distance_m, base::in(0.5, 50.0), "m",
       "distances in the slice saturate here");
+    v("octomap_period_s", &C::octomap_period_s, base::in(0.1, 1000.0), "s",
+      "period of OctoMaps of the whole map on ~octomap_out (log-odds) and ~octomap_binary_out (occupied or free), each "
+      "sent while somebody subscribes (wall time)");
     v("autosave_dir", &C::autosave_dir, base::any(), "", "where the map is saved after every submap; empty = nowhere");
   }
   std::vector<std::string> problems() const {

@@ -12,6 +12,8 @@ namespace voxnav_ros {
 namespace {
 
 constexpr double kLogPeriod_s = 5.0;
+/// A reset holds for handovers that are this much older at most.
+const ros::Duration kResetReach(60.0);
 
 }  // namespace
 
@@ -50,6 +52,9 @@ void SubmapIntegratorNodelet::start() {
         nh.subscribe("points_in", 10, &SubmapIntegratorNodelet::on_points, this, ros::TransportHints().tcpNoDelay());
   }
   pictures_->advertise(&nh);
+  octomap_.advertise(&nh);
+  octomap_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.octomap_period_s),
+                                        &SubmapIntegratorNodelet::on_octomap_time, this);
   picture_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.picture_period_s),
                                         &SubmapIntegratorNodelet::on_picture_time, this);
   snapshot_timer_ = nh.createSteadyTimer(ros::WallDuration(config_.snapshot_period_s),
@@ -71,6 +76,7 @@ void SubmapIntegratorNodelet::advertise() {
   load_ = nh.advertiseService("load_in", &SubmapIntegratorNodelet::on_load, this);
   merge_ = nh.advertiseService("merge_in", &SubmapIntegratorNodelet::on_merge, this);
   export_ = nh.advertiseService("export_in", &SubmapIntegratorNodelet::on_export, this);
+  reset_ = nh.advertiseService("reset_in", &SubmapIntegratorNodelet::on_reset, this);
 }
 
 /// Queues a task for the worker. An exception of the task, and a full queue, are reported in the diagnostics.
@@ -96,10 +102,20 @@ void SubmapIntegratorNodelet::refuse(const std::string& what, const std::string&
 
 void SubmapIntegratorNodelet::on_handover(const msg::HandoverConstPtr& msg) {
   enqueue("handover", [this, msg] {
-    take_handover(from_msg(*msg), msg->header.frame_id);
+    if (was_reset_after(msg->header.stamp)) {
+      diagnostics().add_dropped("handover before a reset");
+    } else {
+      take_handover(from_msg(*msg), msg->header.frame_id);
+    }
     diagnostics().add_latency("handover", msg->header.stamp);
     publish_progress(msg->header.stamp);
   });
+}
+
+/// Returns true for handovers that the local mapper sent shortly before the map was cleared. Much older stamps are
+/// those of a clock that was set back.
+bool SubmapIntegratorNodelet::was_reset_after(const ros::Time& stamp) const {
+  return reset_at_ && stamp <= *reset_at_ && *reset_at_ - stamp < kResetReach;
 }
 
 void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& handover, const std::string& frame) {
@@ -142,7 +158,9 @@ void SubmapIntegratorNodelet::refresh(const ros::Time& stamp) {
   last_stamp_ = std::max(last_stamp_, stamp);
   {
     const auto timer = diagnostics().time("obstacles");
-    pictures_->mark(*map_, map_->update());
+    const std::vector<voxnav::geometry::Index3> changed = map_->update();
+    if (!changed.empty()) octomap_.mark_changed();
+    pictures_->mark(*map_, changed);
   }
   publish_obstacles(map_->take_changes());
   const submap::SubmapCollection& collection = map_->collection();
@@ -187,6 +205,17 @@ void SubmapIntegratorNodelet::on_picture_time(const ros::SteadyTimerEvent&) {
     const double cpu_ms = voxnav::base::thread_cpu_ms();
     if (!pictures_->turn(*map_, header())) return;
     diagnostics().add_time("pictures", voxnav::base::wall_clock_ms() - wall_ms, voxnav::base::thread_cpu_ms() - cpu_ms);
+  });
+}
+
+/// Sends OctoMaps only while no other work waits.
+void SubmapIntegratorNodelet::on_octomap_time(const ros::SteadyTimerEvent&) {
+  if (!octomap_.has_readers() || worker_->size() > 0) return;
+  enqueue("octomap", [this] {
+    const auto timer = diagnostics().time("octomap");
+    std_msgs::Header now = header();
+    now.stamp = ros::Time::now();
+    octomap_.publish(*map_, now);
   });
 }
 

@@ -3,6 +3,7 @@
 
 #include <mrs_msgs/String.h>
 #include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_listener.h>
 
 #include <map>
@@ -15,6 +16,7 @@
 #include "odometry_origins.hpp"
 #include "submap_integrator_config.hpp"
 #include "submap_integrator_map.hpp"
+#include "submap_octomap.hpp"
 #include "submap_picture_topics.hpp"
 #include "voxnav/FinishedSubmap.h"
 #include "voxnav/GetGrid.h"
@@ -51,19 +53,25 @@ class SubmapIntegratorNodelet : public NodeletBase {
   void on_points(const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_snapshot_time(const ros::SteadyTimerEvent&);
   void on_picture_time(const ros::SteadyTimerEvent&);
+  void on_octomap_time(const ros::SteadyTimerEvent&);
   bool on_get_obstacles(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response);
   bool on_get_submaps(voxnav::GetSubmaps::Request&, voxnav::GetSubmaps::Response& response);
   bool on_save(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
   bool on_load(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
   bool on_merge(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
+  bool on_reset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool on_export(mrs_msgs::String::Request& request, mrs_msgs::String::Response& response);
 
   // These run on any thread and without the mutex, so that files are written while the worker goes on.
   submap::SubmapCollection copy_of_map();
   std::size_t save(const std::string& directory);
+  std::string save_octomap(const std::string& path);
+  submap::SubmapCollection load(const std::string& path, std::vector<std::string>* problems) const;
+  std::string take_over(submap::SubmapCollection loaded, const std::vector<std::string>& problems);
   void autosave();
 
   // These run on the worker, which holds the mutex.
+  bool was_reset_after(const ros::Time& stamp) const;
   void take_handover(const voxnav::pipeline::Handover& handover, const std::string& frame);
   void take_origin(const msg::OdometryOrigin& msg);
   voxnav::geometry::Pose into_origin(const std::string& frame);
@@ -100,11 +108,13 @@ class SubmapIntegratorNodelet : public NodeletBase {
   std::optional<std::uint32_t> id_shift_;  ///< added to the ids of new submaps; if absent, the next one determines it
   std::uint32_t sequence_ = 0;
   ros::Time last_stamp_;
+  std::optional<ros::Time> reset_at_;  ///< when the map was last cleared by the service
 
   std::unique_ptr<SubmapPictures> pictures_;
+  SubmapOctomap octomap_;
   ros::Publisher submap_, obstacles_;
-  ros::ServiceServer get_obstacles_, get_submaps_, save_, load_, merge_, export_;
-  ros::SteadyTimer snapshot_timer_, picture_timer_;
+  ros::ServiceServer get_obstacles_, get_submaps_, save_, load_, merge_, export_, reset_;
+  ros::SteadyTimer snapshot_timer_, picture_timer_, octomap_timer_;
   std::mutex save_mutex_;                   ///< held while the map is saved: one save at a time
   std::unique_ptr<Worker> saver_, worker_;  ///< destroyed before what their tasks use
   ros::Subscriber handover_, origin_, poses_, points_;

@@ -20,8 +20,11 @@ RUNNER = "map_bag"
 PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     "planning_manager": {"node": voxnav.PlanningNodeConfig, "manager": voxnav.PlanningManagerConfig,
                          "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig,
-                         "fences": voxnav.FencesConfig, "home": voxnav.HomeConfig,
+                         "fences": voxnav.FencesConfig, "home": voxnav.HomeConfig, "heading": voxnav.HeadingConfig,
                          "work": voxnav.WorkTimeConfig, "time": voxnav.TimeConfig},
+    "octomap_server": {"node": voxnav.OctomapServerConfig},
+    "octomap_planner": {"node": voxnav.OctomapPlannerConfig},
+    "bumper": {"node": voxnav.BumperNodeConfig, "sectors": voxnav.ObstacleSectorsConfig},
     "submap_optimizer": {"node": voxnav.OptimizerConfig, "graph": voxnav.SubmapGraphConfig,
                          "time": voxnav.TimeConfig},
     RUNNER: SECTIONS,

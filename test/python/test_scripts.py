@@ -14,10 +14,15 @@ import pytest
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Scripts that other tests run, and those that build something, which the commands of the Makefile run.
 RUN_BY = {
+    "bumper": "launch/octomap_face.launch",
     "campaign": "test/python/test_campaign.py",
     "demo": "test/python/test_lockstep.py",
     "demo_real": "test/python/test_demo_real.py",
+    "laser_scan_cloud": "launch/octomap_face.launch",
     "livox_cloud": "test/rostest/recording_nodes.test",
+    "octomap_config": "launch/mapplan.launch",
+    "octomap_planner": "launch/octomap_face.launch",
+    "octomap_server": "launch/octomap_face.launch",
     "planning_manager": "test/rostest/planning_manager.test",
     "recording_mount": "test/rostest/recording_nodes_test.py",
     "rviz_view": "test/python/test_rviz_view.py",

@@ -295,3 +295,38 @@ def test_octomap_of_a_merged_map_far_from_the_origin_states_its_shift(tmp_path):
     for centers in (voxnav.LocalMap.occupied_centers, voxnav.LocalMap.free_centers):
         moved = centers(read[1]).astype(float) - (500000.0, -40000.0, 0)
         np.testing.assert_allclose(np.sort(moved, axis=0), np.sort(centers(read[0]), axis=0), atol=0.1)
+
+
+def occupied_cells(collection):
+    return {tuple(cell) for cell in np.floor(collection.occupied_points() / VOXEL).astype(int)}
+
+
+def test_an_octomap_of_the_merged_map_is_loaded_again(tmp_path):
+    """What OctoMap keeps comes back: every occupied and every free voxel, also across the borders of submaps."""
+    saved = voxnav.SubmapCollection()
+    saved.add(0, submap(), pose())
+    saved.add(1, submap(False), pose(80.0, -40.0, 1.2))
+    path = str(tmp_path / "map.ot")
+    assert saved.save_octomap(path) is None
+    loaded = voxnav.SubmapCollection.load_octomap(path, voxnav.SubmapCollectionConfig(resolution_m=VOXEL))
+    assert len(loaded) == 5  # the first one lies on the corner of four tiles, the second one on an edge
+    assert occupied_cells(loaded) == occupied_cells(saved)
+    x, y, z = np.meshgrid(np.arange(-12, 92, 0.8), np.arange(-52, 12, 0.8), np.arange(-1, 8, 0.4))
+    points = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1).astype(np.float32) + 0.1
+    assert set(np.unique(saved.states(points))) == {0, 1, 2}
+    np.testing.assert_array_equal(loaded.states(points), saved.states(points))
+
+
+def test_an_octomap_that_is_none_or_of_another_resolution_is_refused(tmp_path):
+    saved = voxnav.SubmapCollection()
+    saved.add(0, submap(), pose())
+    path = str(tmp_path / "map.ot")
+    saved.save_octomap(path)
+    with pytest.raises(RuntimeError, match="map.ot: it has voxels of 0.4.* m, and this map has voxels of 0.2"):
+        voxnav.SubmapCollection.load_octomap(path, voxnav.SubmapCollectionConfig(resolution_m=0.2))
+    with open(path, "r+b") as broken:
+        broken.truncate(500)
+    with pytest.raises(RuntimeError, match="map.ot.*in the middle of its nodes"):
+        voxnav.SubmapCollection.load_octomap(path)
+    with pytest.raises(RuntimeError, match="cannot be opened"):
+        voxnav.SubmapCollection.load_octomap(str(tmp_path / "none.ot"))

@@ -10,6 +10,9 @@
 
 namespace voxnav::occupancy {
 
+/// Returns true if the ending of a path is that of an OctoMap: `.ot` (log-odds) or `.bt` (occupied and free).
+bool is_octomap_path(const std::string& path);
+
 /// Writes the known voxels of a local map as a pruned OctoMap. Unknown voxels are left out. Source of the format:
 /// Hornung et al., OctoMap, Autonomous Robots 2013.
 ///

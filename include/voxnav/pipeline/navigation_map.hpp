@@ -84,6 +84,8 @@ class NavigationMap {
   void set_vehicle(const geometry::Vec3& position_O);
   /// Sets the fences of the flight, null for none.
   void set_fences(std::shared_ptr<const planning::Fences> fences_O);
+  /// Replaces the altitude limits of the configuration, for all later views. @throws base::ConfigError
+  void set_altitudes(double min_m, double max_m);
   /// Forgets both grids; to be called after a restart of their source or a jump of the clock.
   void clear_local();
   void clear_obstacles();

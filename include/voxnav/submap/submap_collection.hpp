@@ -123,6 +123,19 @@ class SubmapCollection {
 ///         std::length_error for a map that is wider than an OctoMap
 std::optional<geometry::Vec3> save_octomap(const EvidenceMap& evidence, const std::string& path);
 
+/// Makes a map of an OctoMap file (.ot or .bt), divided into submaps of 77 m with voxels of 0.4 m. What OctoMap calls
+/// occupied is a surface in the middle of its voxel; everything else that the file knows is free. The submaps have no
+/// times and no poses of a vehicle.
+/// @throws std::runtime_error naming the file if it cannot be read, has voxels of another size than `config`, or knows
+///         more than 800 million voxels
+SubmapCollection load_octomap(const std::string& path, const SubmapCollectionConfig& config,
+                              const SubmapConfig& submap_config = {});
+
+/// Returns the merged map as the data of an octomap_msgs/Octomap with id "OcTree"; `binary` is the field of that
+/// message.
+/// @throws std::length_error for a map beyond the reach of an OctoMap, since a message cannot state a shift
+std::vector<std::int8_t> octomap_message_data(const EvidenceMap& evidence, bool binary);
+
 /// Writes the surface points of each submap in its own frame as `submap_<id>.ply`, and their poses in `poses.txt`: one
 /// line `id end_stamp_s x y z qx qy qz qw` (T_W_S) for each submap, oldest first. The directory must exist.
 /// @throws std::runtime_error naming the file that cannot be written

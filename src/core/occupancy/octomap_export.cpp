@@ -1,31 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/occupancy/octomap_export.hpp"
 
-#include <octomap/octomap.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
+#include "occupancy/local_map_impl.hpp"
 #include "occupancy/octomap_file.hpp"
 
 namespace voxnav::occupancy {
 namespace {
 
-OctomapWriter octree_of(const LocalMap& map) {
-  VoxelBounds bounds;
-  map.for_known([&](const LocalMap::KnownVoxel& voxel) { bounds.add(voxel.index); });
-  OctomapWriter writer(map.config().resolution_m, bounds);
-  octomap::OcTree& tree = writer.tree();
-  tree.setClampingThresMin(map.config().prob_clamp_min);
-  tree.setClampingThresMax(map.config().prob_clamp_max);
-  tree.setProbHit(map.config().prob_hit);
-  tree.setProbMiss(map.config().prob_miss);
-  tree.setOccupancyThres(map.config().occupied_threshold);
-  map.for_known([&](const LocalMap::KnownVoxel& voxel) { writer.set(voxel.index, voxel.log_odds); });
-  writer.finish();
-  return writer;
+/// The code of each log-odds level of the map: the level itself in the full form, its state in the binary one.
+std::array<std::uint8_t, 256> codes_of_levels(const OctreeForest& forest, OctomapForm form) {
+  std::array<std::uint8_t, 256> out;
+  for (int level = 0; level < 256; ++level) {
+    const containers::VoxelState state = forest.levels.of(level);
+    const bool is_known = state != containers::VoxelState::kUnknown && level <= forest.scale.max;
+    const bool is_occupied = state == containers::VoxelState::kOccupied;
+    const std::uint8_t code =
+        form == OctomapForm::kFull ? static_cast<std::uint8_t>(level) : (is_occupied ? kOccupiedVoxel : kFreeVoxel);
+    out[level] = is_known ? code : kNoVoxel;
+  }
+  return out;
+}
+
+OctomapNodes nodes_of(const LocalMap& map, OctomapForm form) {
+  const OctreeForest& forest = map.impl().forest;
+  OctomapSource source;
+  forest.for_blocks([&](const geometry::Index3& index, const OctreeBlock& block) {
+    if (block.has_known()) source.blocks.push_back(index);
+  });
+  const std::array<std::uint8_t, 256> codes = codes_of_levels(forest, form);
+  source.read = [&](const geometry::Index3& index, VoxelCodes* out) {
+    const OctreeBlock& block = *forest.window.find(index);
+    std::transform(block.log_odds.begin(), block.log_odds.end(), out->begin(),
+                   [&](std::uint8_t level) { return codes[level]; });
+  };
+  for (int level = 0; level < 256; ++level) source.log_odds.push_back(static_cast<float>(forest.scale.log_odds(level)));
+  return octomap_nodes(source, form);
 }
 
 /// Voxels on their way into a map. They go there in portions, since one pruned leaf can stand for billions.
@@ -50,38 +64,27 @@ class Assignment {
   std::uint64_t num_set_ = 0;
 };
 
-/// A leaf is a cube of voxels; only those within the bounds are visited.
-struct LeafCube {
-  std::int64_t low[3];
-  std::int64_t side;
+std::uint64_t volume_of(const OctomapLeaf& leaf) {
+  return static_cast<std::uint64_t>(leaf.side) * leaf.side * leaf.side;
+}
 
-  std::uint64_t volume() const { return static_cast<std::uint64_t>(side) * side * side; }
-
-  void assign(const VoxelBounds& bounds, double log_odds, Assignment* out) const {
-    const std::int32_t min[3] = {bounds.low.x, bounds.low.y, bounds.low.z};
-    const std::int32_t max[3] = {bounds.high.x, bounds.high.y, bounds.high.z};
-    std::int64_t from[3], to[3];
-    for (int k = 0; k < 3; ++k) {
-      from[k] = std::max<std::int64_t>(low[k], min[k]);
-      to[k] = std::min<std::int64_t>(low[k] + side - 1, max[k]);
-    }
-    for (std::int64_t z = from[2]; z <= to[2]; ++z) {
-      for (std::int64_t y = from[1]; y <= to[1]; ++y) {
-        for (std::int64_t x = from[0]; x <= to[0]; ++x) {
-          out->add({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
-                   log_odds);
-        }
+/// Visits only those voxels of a leaf that are within the bounds.
+void assign(const OctomapLeaf& leaf, const VoxelBounds& bounds, Assignment* out) {
+  const std::int32_t min[3] = {bounds.low.x, bounds.low.y, bounds.low.z};
+  const std::int32_t max[3] = {bounds.high.x, bounds.high.y, bounds.high.z};
+  std::int64_t from[3], to[3];
+  for (int k = 0; k < 3; ++k) {
+    from[k] = std::max<std::int64_t>(leaf.low[k], min[k]);
+    to[k] = std::min<std::int64_t>(leaf.low[k] + leaf.side - 1, max[k]);
+  }
+  for (std::int64_t z = from[2]; z <= to[2]; ++z) {
+    for (std::int64_t y = from[1]; y <= to[1]; ++y) {
+      for (std::int64_t x = from[0]; x <= to[0]; ++x) {
+        out->add({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)},
+                 leaf.log_odds);
       }
     }
   }
-};
-
-LeafCube cube_of(const octomap::OcTree::leaf_iterator& leaf, const geometry::Index3& shift) {
-  constexpr std::int64_t kOrigin = 1 << 15;  // key of the voxel with index 0
-  const octomap::OcTreeKey key = leaf.getIndexKey();
-  const unsigned depth = leaf.getDepth();
-  return {{key[0] - kOrigin + shift.x, key[1] - kOrigin + shift.y, key[2] - kOrigin + shift.z},
-          std::int64_t{1} << (16u - depth)};
 }
 
 /// A little more than the window: the map itself leaves out what is outside.
@@ -101,7 +104,7 @@ VoxelBounds bounds_around(const LocalMap& map, const geometry::Vec3& center) {
 LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geometry::Vec3& center,
                       OctomapCounts* counts) {
   const OctomapFile file = read_octomap(path);
-  config.resolution_m = file.tree->getResolution();
+  config.resolution_m = file.resolution_m;
   LocalMap map(config);
   constexpr double kReach = 1 << 30;  // voxels, half of what an index holds
   if (!center.allFinite() || center.cwiseAbs().maxCoeff() > kReach * config.resolution_m) {
@@ -111,13 +114,12 @@ LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geom
   const VoxelBounds bounds = bounds_around(map, center);
   OctomapCounts found;
   Assignment assignment(&map);
-  for (auto leaf = file.tree->begin_leafs(); leaf != file.tree->end_leafs(); ++leaf) {
-    const LeafCube cube = cube_of(leaf, file.shift);
-    found.in_file += cube.volume();
-    if (std::isfinite(leaf->getLogOdds())) {
-      cube.assign(bounds, leaf->getLogOdds(), &assignment);
+  for (const OctomapLeaf& leaf : file.leaves) {
+    found.in_file += volume_of(leaf);
+    if (std::isfinite(leaf.log_odds)) {
+      assign(leaf, bounds, &assignment);
     } else {
-      found.not_finite += cube.volume();
+      found.not_finite += volume_of(leaf);
     }
   }
   assignment.flush();
@@ -127,27 +129,15 @@ LocalMap load_octomap(const std::string& path, LocalMapConfig config, const geom
 }
 
 std::optional<geometry::Vec3> save_octomap(const LocalMap& map, const std::string& path) {
-  OctomapWriter writer = octree_of(map);
-  writer.write(path);
-  return writer.shift_m();
+  const OctomapForm form = octomap_form_of(path);
+  const OctomapNodes nodes = nodes_of(map, form);
+  const double resolution_m = map.config().resolution_m;
+  write_octomap(nodes, form, resolution_m, path);
+  return shift_m(nodes, resolution_m);
 }
 
 std::vector<std::int8_t> octomap_message_data(const LocalMap& map, bool binary) {
-  OctomapWriter writer = octree_of(map);
-  if (writer.shift_m()) {
-    throw std::length_error(
-        "the map lies farther than 2^15 voxels from the origin of its frame, beyond the reach of an "
-        "OctoMap message; use an odometry frame with its origin nearby");
-  }
-  std::stringstream stream;
-  if (binary) {
-    writer.tree().toMaxLikelihood();
-    writer.tree().writeBinaryData(stream);
-  } else {
-    writer.tree().writeData(stream);
-  }
-  const std::string bytes = stream.str();
-  return std::vector<std::int8_t>(bytes.begin(), bytes.end());
+  return message_bytes(nodes_of(map, binary ? OctomapForm::kBinary : OctomapForm::kFull));
 }
 
 }  // namespace voxnav::occupancy

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <octomap/OcTree.h>
-
-#include <memory>
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "voxnav/geometry/voxel.hpp"
+#include "occupancy/octomap_nodes.hpp"
 
 namespace voxnav::occupancy {
 
@@ -19,35 +19,33 @@ struct VoxelBounds {
   void add(const geometry::Index3& voxel);
 };
 
-/// Makes an OcTree of voxels and writes it. The keys of an OctoMap reach 2^15 voxels from its origin in each direction;
-/// a map that lies farther off is shifted by whole voxels.
-class OctomapWriter {
- public:
-  /// @throws std::length_error when the bounds are wider than an OctoMap
-  OctomapWriter(double resolution_m, const VoxelBounds& bounds);
+/// The form of a file by the ending of its path: `.ot` full, `.bt` binary. @throws std::invalid_argument for another
+/// one
+OctomapForm octomap_form_of(const std::string& path);
 
-  octomap::OcTree& tree() { return tree_; }
-  /// What must be added to coordinates in the OcTree to get those of the map, if they differ.
-  std::optional<geometry::Vec3> shift_m() const;
-  /// The voxel must lie within the bounds. Inner nodes wait for finish().
-  void set(const geometry::Index3& voxel, double log_odds);
-  void finish();
-  /// By the ending of the path `.ot` (log-odds) or `.bt` (occupied and free); a shift stands in a comment of the
-  /// header.
-  /// @throws std::invalid_argument for another ending, std::runtime_error when the file cannot be written
-  void write(const std::string& path);
+/// What must be added to coordinates in an OctoMap to get those of the map, if they differ.
+std::optional<geometry::Vec3> shift_m(const OctomapNodes& nodes, double resolution_m);
 
- private:
-  geometry::Index3 shift_;
-  octomap::OcTree tree_;
+/// Writes a file that OctoMap reads. A shift stands in a comment of its header.
+/// @param form  that of the nodes and of the path
+/// @throws std::runtime_error when the file cannot be written
+void write_octomap(const OctomapNodes& nodes, OctomapForm form, double resolution_m, const std::string& path);
+
+/// A leaf: a cube of voxels, which are those of the map, so that a shift of the file is already added.
+struct OctomapLeaf {
+  std::array<std::int64_t, 3> low;  ///< its lowest voxel
+  std::int64_t side;                ///< voxels along each edge
+  float log_odds;
 };
 
 struct OctomapFile {
-  std::unique_ptr<octomap::OcTree> tree;
-  geometry::Index3 shift;  ///< voxels to be added to those of the tree; not zero only in files that OctomapWriter wrote
+  double resolution_m = 0.0;
+  std::vector<OctomapLeaf> leaves;
 };
 
-/// Reads `.ot` or `.bt`. @throws std::runtime_error when the file cannot be read as an OcTree
+/// Reads an OcTree from a file of OctoMap. The library of OctoMap reads beyond the end of broken files; here every byte
+/// is checked. O(nodes of the file).
+/// @throws std::runtime_error naming the file and what is wrong with it
 OctomapFile read_octomap(const std::string& path);
 
 }  // namespace voxnav::occupancy

@@ -75,6 +75,14 @@ void NavigationMap::set_fences(std::shared_ptr<const planning::Fences> fences_O)
   fences_O_ = std::move(fences_O);
 }
 
+void NavigationMap::set_altitudes(double min_m, double max_m) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  NavigationMapConfig changed = config_;
+  changed.min_altitude_m = min_m;
+  changed.max_altitude_m = max_m;
+  config_ = base::checked(changed);
+}
+
 void NavigationMap::clear_local() {
   const std::lock_guard<std::mutex> lock(mutex_);
   local_ = Layer{};

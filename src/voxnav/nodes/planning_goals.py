@@ -74,7 +74,7 @@ class PlanningGoals:
                 return "goal is not finite"
             if frame.split("/")[-1] == LATLON:
                 frame, position, heading = self._ask_control(frame, position, heading)
-            T_W_F = self._to_map(frame)
+            T_W_F = self.to_map(frame)
             goal_W = T_W_F[:3, :3].dot(position) + T_W_F[:3, 3]
             if keeps_altitude:
                 goal_W[2] = self._altitude()
@@ -105,7 +105,7 @@ class PlanningGoals:
         T = self._inputs.T_W_O
         return float(T[2, :3].dot(position) + T[2, 3])
 
-    def _to_map(self, frame):
+    def to_map(self, frame):
         """Returns T_W_F. An empty frame is the control frame, as in MRS; a short name belongs to this UAV."""
         inputs = self._inputs
         names = [frame] if "/" in frame or not self._uav_name else [frame, self._uav_name + "/" + frame]

@@ -59,7 +59,7 @@ class PlanningInputs:
         self._correction_stamp = self._correction_mark = None  # newest on tf, when first seen
         self.odometry_frame, self.map_frame = "", config.map_frame
         self._T_W_O, self._correction_frame = None, ""  # the map correction, and its frame O
-        self.position_O = self.limits = None
+        self.position_O = self.heading_O_rad = self.limits = None
         self.num_bad = 0
         self._iteration = None
         self._tracker_buffer = None
@@ -124,6 +124,7 @@ class PlanningInputs:
         self._map.set_vehicle(position)
         with self._lock:
             self.odometry_frame, self.position_O = msg.header.frame_id, position
+            self.heading_O_rad = float(np.arctan2(R[1, 0], R[0, 0]))
             self._set_frames()  # before anything is checked with a place in another frame
             self._manager.set_vehicle(msg.header.stamp.to_sec(), position, velocity)
         self._note("odometry", msg.header.stamp.to_sec())

@@ -13,12 +13,15 @@ import voxnav
 from voxnav.msg import NodeDiagnostics
 from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
+from voxnav.nodes.path_service import PathService
 from voxnav.nodes.planning_fences import PlanningFences
 from voxnav.nodes.planning_goals import PlanningGoals
+from voxnav.nodes.planning_headings import Headings
 from voxnav.nodes.planning_home import PlanningHome
 from voxnav.nodes.planning_inputs import PlanningInputs
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices, TimedService
+from voxnav.nodes.planning_settings import PlanningSettings
 from voxnav.nodes.time_seam import WorkTimes, seam_for
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
@@ -29,24 +32,25 @@ KEPT_GOAL_AGE_S = 600.0
 
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits, fences, home, work, time_config = load_sections(
+        node, manager, planner, limits, fences, home, heading, work, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
             map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig, home=voxnav.HomeConfig,
+            heading=voxnav.HeadingConfig,
             work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
-        self._planner = voxnav.PathPlanner(planner.planner_config())
-        self._field = voxnav.ClearanceField(planner.field_config())  # used by the thinker alone
         self._map = voxnav.NavigationMap(limits)
         self._manager = PlanningManager(manager, (limits.min_altitude_m, limits.max_altitude_m), self._map.view)
         self._lock = threading.RLock()  # protects the manager
+        self._settings = PlanningSettings(planner, limits, manager, self._set_altitudes)
+        self._revision, self._search = self._settings.search(0, None)  # used by the thinker alone
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
         self._waypoints, self._last_now = np.zeros((0, 3)), 0.0
         self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
         self._diagnostics = Diagnostics(NAME)
         self._output = PlanningOutput()
-        self._services = ControlServices(node, manager.trajectory_deviation_m, self._seam)
+        self._services = ControlServices(node, manager.trajectory_deviation_m, Headings(heading), self._seam)
         self._executors = self._make_executors(work)
         self._inputs = PlanningInputs(node, self._manager, self._map, self._lock, self._on_jump, self._on_closed,
                                       self._seam)
@@ -57,6 +61,8 @@ class PlanningManagerNode:
         self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
                                   self._seam)
         self._manager.judge = self._home.judge
+        self._paths = PathService(self._settings, self._map.view, self._goals.to_map,
+                                  lambda: (self._inputs.T_W_O, self._inputs.odometry_frame))
         self._resume_kept_goal()
         # The check of the flight comes first: where the seam calls them in turn, it runs before anything new starts.
         self._seam.every(node.check_rate_hz, self._check)
@@ -130,6 +136,11 @@ class PlanningManagerNode:
         with self._lock:
             self._manager.set_fences(placed, problem)
 
+    def _set_altitudes(self, min_m, max_m):
+        self._map.set_altitudes(min_m, max_m)
+        with self._lock:
+            self._manager.set_altitudes(min_m, max_m)
+
     def _stop(self):
         with self._lock:
             actions = self._manager.stop("stopped by command", self._seam.now().to_sec())
@@ -190,15 +201,18 @@ class PlanningManagerNode:
         view, limits = self._map.view(), self._inputs.limits
         if view is None or limits is None:
             raise ValueError("no map or no constraints")
+        self._revision, self._search = self._settings.search(self._revision, self._search)
+        search = self._search
         with self._diagnostics.time("field"):
-            self._field.update(view)
-        outcome = voxnav.run_plan_job(self._planner, self._field, self._manager_config, view, action.start_O,
+            search.field.update(view)
+        outcome = voxnav.run_plan_job(search.planner, search.field, self._manager_config, view, action.start_O,
                                       action.goal_O, limits)
         self._waypoints = outcome.waypoints_O
         return lambda now: self._manager.plan_done(action.job, outcome, now)
 
     def _do_generate(self, action):
-        generated = self._services.generate(action, self._inputs.odometry_frame, self._seam.now().to_sec())
+        generated = self._services.generate(action, self._inputs.odometry_frame, self._inputs.heading_O_rad,
+                                            self._seam.now().to_sec())
         return lambda now: self._manager.generate_done(action.job, generated, now)
 
     def _do_publish(self, action):

@@ -44,7 +44,7 @@ class PlanningOutput:
 
     def publish(self, stamp, status, home, inputs, path_O, waypoints_O, position_W):
         """Publishes a status of voxnav.planning_manager, a HomeState, and paths, (k, 3) in frame O."""
-        self._publish_status(status, home, inputs.map_frame, stamp, position_W)
+        self._publish_status(status, home, inputs, stamp, position_W, waypoints_O)
         flags = "-id planning_manager -p " + STATE_COLOURS[status.state]
         line = "%s: %s" % (STATE_NAMES[status.state], status.reason)
         self._display.publish(String(data=flags + line[:MAX_LINE]))
@@ -59,10 +59,14 @@ class PlanningOutput:
                    () if goal is None else points_of(np.array([goal]))),
         ]))
 
-    def _publish_status(self, status, home, frame, stamp, position_W):
+    def _publish_status(self, status, home, inputs, stamp, position_W, waypoints_O):
         out = PlannerStatus(state=status.state, reason=status.reason)
-        out.header.frame_id, out.header.stamp = frame, stamp
+        out.header.frame_id, out.header.stamp = inputs.map_frame, stamp
         out.refusal = "" if status.refusal is None else status.refusal.sentence
+        T_W_O = inputs.T_W_O
+        out.has_plan = T_W_O is not None and len(waypoints_O) > 0
+        if out.has_plan:
+            out.plan_end = Point(*(float(x) for x in T_W_O[:3, :3].dot(waypoints_O[-1]) + T_W_O[:3, 3]))
         for name in ("is_goal_reached", "plan_status", "expansions", "plan_s", "num_plans", "num_trajectories",
                      "num_shortened", "num_hovers"):
             setattr(out, name, getattr(status, name))

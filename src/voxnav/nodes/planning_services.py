@@ -74,8 +74,8 @@ class TimedService:
 class ControlServices:
     """Trajectory generator and control manager. Methods return a problem as text, '' if there is none."""
 
-    def __init__(self, config, deviation_m, seam):
-        self._config, self._deviation_m = config, deviation_m
+    def __init__(self, config, deviation_m, headings, seam):
+        self._config, self._deviation_m, self._headings_of = config, deviation_m, headings
         timeout_s = config.service_timeout_s
         self._get_path = TimedService("~get_path_out", GetPathSrv, timeout_s + config.generator_time_s, seam)
         self._trajectory = TimedService("~trajectory_reference_out", TrajectoryReferenceSrv, timeout_s, seam)
@@ -86,10 +86,14 @@ class ControlServices:
         self._input_id = FIRST_ID
         self._generated, self._headings = None, []  # last answer of the generator, if headings were requested
 
-    def generate(self, action, frame, now_s):
-        """Generates a trajectory through the waypoints of an action. Returns Generated, or a problem as text."""
+    def generate(self, action, frame, heading_rad, now_s):
+        """Generates a trajectory through the waypoints of an action. Returns Generated, or a problem as text.
+
+        heading_rad: present heading of the vehicle, or None if it is not known
+        """
+        path = self._path(action, frame, heading_rad, now_s)
         try:
-            response = self._get_path.call(GetPathSrvRequest(path=self._path(action, frame, now_s)))
+            response = self._get_path.call(GetPathSrvRequest(path=path))
         except ServiceError as error:
             return str(error)
         answered = response.trajectory
@@ -98,7 +102,7 @@ class ControlServices:
         if answered.header.frame_id not in ("", frame):
             return "answers in frame %s, not %s" % (answered.header.frame_id, frame)
         points = np.array([(p.position.x, p.position.y, p.position.z) for p in answered.points]).reshape(-1, 3)
-        self._generated = points if answered.use_heading and action.heading_rad is not None else None
+        self._generated = points if answered.use_heading and path.use_heading else None
         self._headings = [p.heading for p in answered.points]
         try:
             trajectory = voxnav.Trajectory(points, answered.dt if answered.dt > 1e-4 else DEFAULT_DT_S)
@@ -107,19 +111,16 @@ class ControlServices:
         stamp = answered.header.stamp
         return Generated(trajectory, None if stamp.is_zero() else stamp.to_sec())
 
-    def _path(self, action, frame, now_s):
+    def _path(self, action, frame, heading_rad, now_s):
         path = Path(fly_now=False, max_execution_time=self._config.generator_time_s,
                     max_deviation_from_path=self._deviation_m)
         path.header.frame_id = frame
-        waypoints = action.waypoints_O
+        points, headings = self._headings_of.apply(path, action.waypoints_O, action.heading_rad, heading_rad)
         if action.start_stamp_s is not None and action.start_stamp_s - now_s > MIN_LEAD_S:
             path.header.stamp = rospy.Time.from_sec(action.start_stamp_s)
-        elif len(waypoints) > 1:
-            waypoints = waypoints[1:]  # the generator begins with the present state itself
-        path.points = [reference(p, action.heading_rad or 0.0) for p in waypoints]
-        path.use_heading = action.heading_rad is not None
-        # Otherwise the generator would slow the flight down to turn to the heading 0 of every waypoint.
-        path.relax_heading = not path.use_heading
+        elif len(points) > 1:
+            points, headings = points[1:], headings[1:]  # the generator begins with the present state itself
+        path.points = [reference(p, heading) for p, heading in zip(points, headings)]
         return path
 
     def publish(self, trajectory, stamp_s, frame):

@@ -128,6 +128,10 @@ class PlanningManager:
         """Drops the goal and hovers."""
         return self._take(stopping.stop(self._state, Because(Reason.STOPPED, sentence), self._facts(now_s)))
 
+    def set_altitudes(self, min_m: float, max_m: float) -> None:
+        """Sets the lowest and the highest altitude of later goals, frame W."""
+        self._altitudes_m = (min_m, max_m)
+
     # Events: time has passed, or a job has ended.
 
     def frame_jumped(self, sentence: str, now_s: float) -> List[Action]:

@@ -24,6 +24,24 @@ occupancy::LocalMap some_map() {
   return map;
 }
 
+/// A map of whole blocks and half blocks that are free or occupied, which OctoMap makes one leaf each, and larger ones.
+occupancy::LocalMap blocks_of_one_state() {
+  occupancy::LocalMapConfig config;
+  config.window_size_m = {70, 70, 40};
+  occupancy::LocalMap map(config);
+  map.place_window(Vec3::Zero());
+  std::vector<occupancy::LocalMap::VoxelLogOdds> voxels;
+  for (int x = -32; x < 32; ++x) {
+    for (int y = -32; y < 40; ++y) {
+      for (int z = -32; z < 16; ++z) voxels.push_back({geometry::center_of({x, y, z}, 0.4), y < 24 ? -2.0 : 2.0});
+    }
+  }
+  map.assign(voxels);
+  return map;
+}
+
+std::string text(const std::vector<std::int8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
+
 VoxelState state_in(const octomap::OcTree& tree, const Vec3& p) {
   const octomap::OcTreeNode* node = tree.search(p.x(), p.y(), p.z());
   if (node == nullptr) return VoxelState::kUnknown;
@@ -68,6 +86,37 @@ TEST(OctomapExport, MessageDataIsReadable) {
     binary ? tree.readBinaryData(stream) : tree.readData(stream);
     expect_same(tree, map);
   }
+}
+
+TEST(OctomapExport, MessageDataIsThatOfAPrunedOctreeByteForByte) {
+  for (const occupancy::LocalMap& map : {some_map(), blocks_of_one_state()}) {
+    octomap::OcTree full(0.4), binary(0.4);
+    full.setClampingThresMin(map.config().prob_clamp_min);
+    full.setClampingThresMax(map.config().prob_clamp_max);
+    std::size_t num_known = 0;
+    map.for_known([&](const occupancy::LocalMap::KnownVoxel& voxel) {
+      const Vec3 p = geometry::center_of(voxel.index, 0.4);
+      full.setNodeValue(p.x(), p.y(), p.z(), static_cast<float>(voxel.log_odds), true);
+      binary.setNodeValue(p.x(), p.y(), p.z(), voxel.state == VoxelState::kOccupied ? 2.0F : -2.0F, true);
+      ++num_known;
+    });
+    ASSERT_GT(num_known, 1000u);
+    std::stringstream full_bytes, binary_bytes;
+    full.updateInnerOccupancy();
+    full.prune();
+    full.writeData(full_bytes);
+    binary.updateInnerOccupancy();
+    binary.prune();
+    binary.writeBinaryData(binary_bytes);
+    EXPECT_EQ(text(occupancy::octomap_message_data(map, false)), full_bytes.str());
+    EXPECT_EQ(text(occupancy::octomap_message_data(map, true)), binary_bytes.str());
+  }
+}
+
+TEST(OctomapExport, AnEmptyMapHasNoNodes) {
+  const occupancy::LocalMap map{occupancy::LocalMapConfig{}};
+  EXPECT_TRUE(occupancy::octomap_message_data(map, false).empty());
+  EXPECT_TRUE(occupancy::octomap_message_data(map, true).empty());
 }
 
 TEST(OctomapExport, OtherEndingsAreRefused) {

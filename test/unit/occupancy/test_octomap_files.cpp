@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <random>
@@ -101,6 +103,32 @@ void expect_loaded(const octomap::OcTree& tree, const std::string& path, const V
   EXPECT_EQ(counts.not_finite, 0u);
 }
 
+std::unique_ptr<octomap::OcTree> read_by_octomap(const std::string& path) {
+  auto tree = std::make_unique<octomap::OcTree>(kResolution_m);
+  if (path.substr(path.size() - 3) == ".bt") {
+    EXPECT_TRUE(tree->readBinary(path));
+    return tree;
+  }
+  std::unique_ptr<octomap::AbstractOcTree> read(octomap::AbstractOcTree::read(path));
+  EXPECT_NE(dynamic_cast<octomap::OcTree*>(read.get()), nullptr);
+  return std::unique_ptr<octomap::OcTree>(static_cast<octomap::OcTree*>(read.release()));
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Returns why a file cannot be read; empty if it can.
+std::string problem_of(const std::string& path) {
+  try {
+    occupancy::read_octomap(path);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 /// Returns a map with a few surfaces and free voxels around a place.
 occupancy::LocalMap map_around(const Vec3& center) {
   occupancy::LocalMap map(small_window());
@@ -185,7 +213,7 @@ TEST(OctomapFiles, MapsFarFromTheOriginAreWrittenWithAStatedShift) {
       const TemporaryFile file(name);
       const auto shift_m = occupancy::save_octomap(map, file.path);
       ASSERT_TRUE(shift_m);
-      const auto tree = occupancy::read_octomap(file.path).tree;
+      const auto tree = read_by_octomap(file.path);
       std::size_t num_known = 0;
       map.for_known([&](const occupancy::LocalMap::KnownVoxel& voxel) {
         const Vec3 in_file = geometry::center_of(voxel.index, kResolution_m) - *shift_m;
@@ -211,13 +239,45 @@ TEST(OctomapFiles, MapsWithinReachAreNotShifted) {
 }
 
 TEST(OctomapFiles, MapsWiderThanAnOctomapAreRefused) {
-  occupancy::VoxelBounds bounds;
-  bounds.add({0, -40000, 0});
-  bounds.add({0, 40000, 0});
+  occupancy::OctomapSource source;
+  source.blocks = {{0, -2500, 0}, {0, 2500, 0}};
   try {
-    occupancy::OctomapWriter writer(kResolution_m, bounds);
+    occupancy::octomap_nodes(source, occupancy::OctomapForm::kFull);
     FAIL() << "accepted";
   } catch (const std::length_error& error) {
-    EXPECT_STREQ(error.what(), "the map is 80001 voxels wide along y, and an OctoMap holds 65536");
+    EXPECT_STREQ(error.what(), "the map is 80016 voxels wide along y, and an OctoMap holds 65536");
+  }
+}
+
+TEST(OctomapFiles, BrokenFilesAreRefusedWithAReason) {
+  const TemporaryFile file("broken.ot");
+  ASSERT_FALSE(occupancy::save_octomap(map_around(Vec3::Zero()), file.path));
+  const std::string whole = bytes_of(file.path);
+  const std::size_t data = whole.find("data\n") + 5;
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {whole.substr(0, whole.size() - 3), "it ends in the middle of its nodes"},
+      {whole.substr(0, data), "it ends in the middle of its nodes"},
+      {whole + "abc", "3 bytes after them"},
+      {whole.substr(0, data) + std::string(200, '\xff'), "it has nodes below the voxels"},
+      {"", "it is no file of OctoMap"},
+      {"# Octomap OcTree file\nid ColorOcTree\nsize 1\nres 0.4\ndata\n", "'ColorOcTree', not an OcTree"},
+      {"# Octomap OcTree file\nid OcTree\nsize 1\nres -1\ndata\n", "it has no resolution"},
+      {"# Octomap OcTree file\nid OcTree\nsize many\nres 1\ndata\n", "bad line in its header: size many"},
+  };
+  for (const auto& [bytes, reason] : cases) {
+    std::ofstream(file.path, std::ios::binary) << bytes;
+    EXPECT_NE(problem_of(file.path).find(reason), std::string::npos) << problem_of(file.path);
+    EXPECT_NE(problem_of(file.path).find(file.path), std::string::npos);
+  }
+}
+
+TEST(OctomapFiles, NoBytesAtAllMakeTheReaderFail) {
+  const TemporaryFile file("noise.bt");
+  std::mt19937 random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string bytes = "# Octomap OcTree binary file\nid OcTree\nsize 9\nres 0.2\ndata\n";
+    for (unsigned i = random() % 200; i > 0; --i) bytes += static_cast<char>(random());
+    std::ofstream(file.path, std::ios::binary) << bytes;
+    problem_of(file.path);  // any answer will do
   }
 }

@@ -11,17 +11,27 @@
 namespace voxnav::submap {
 namespace {
 
-constexpr float kLogOdds = 2.0f;  // a little within the clamping bounds of OctoMap
+// Log-odds of free and occupied voxels, a little within the clamping bounds of OctoMap.
+constexpr float kFreeLogOdds = -2.0f, kOccupiedLogOdds = 2.0f;
 
-/// Calls f(voxel, state) for each known voxel.
-template <class F>
-void for_known(const EvidenceMap& evidence, const F& f) {
+occupancy::OctomapNodes nodes_of(const EvidenceMap& evidence, occupancy::OctomapForm form) {
+  occupancy::OctomapSource source;
+  source.log_odds = {kFreeLogOdds, kOccupiedLogOdds};
   for (const auto& [index, block] : evidence.blocks()) {
-    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      const containers::VoxelState state = block.states.get(offset);
-      if (state != containers::VoxelState::kUnknown) f(geometry::voxel_at(index, offset), state);
-    }
+    if (!block.states.all_unknown()) source.blocks.push_back(index);
   }
+  source.read = [&](const geometry::Index3& index, occupancy::VoxelCodes* codes) {
+    const ColumnBlock& states = evidence.find(index)->states;
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const auto column = static_cast<std::size_t>(offset & 255);
+      const int z = offset >> 8;
+      const bool is_free = (states.free[column] >> z & 1) != 0;
+      const bool is_occupied = (states.occupied[column] >> z & 1) != 0;
+      (*codes)[offset] =
+          is_occupied ? occupancy::kOccupiedVoxel : (is_free ? occupancy::kFreeVoxel : occupancy::kNoVoxel);
+    }
+  };
+  return octomap_nodes(source, form);
 }
 
 void write_file(const std::string& path, const std::string& bytes) {
@@ -42,15 +52,14 @@ std::string pose_line(const SubmapEntry& entry) {
 }  // namespace
 
 std::optional<geometry::Vec3> save_octomap(const EvidenceMap& evidence, const std::string& path) {
-  occupancy::VoxelBounds bounds;
-  for_known(evidence, [&](const geometry::Index3& voxel, containers::VoxelState) { bounds.add(voxel); });
-  occupancy::OctomapWriter writer(evidence.resolution_m(), bounds);
-  for_known(evidence, [&](const geometry::Index3& voxel, containers::VoxelState state) {
-    writer.set(voxel, state == containers::VoxelState::kOccupied ? kLogOdds : -kLogOdds);
-  });
-  writer.finish();
-  writer.write(path);
-  return writer.shift_m();
+  const occupancy::OctomapForm form = occupancy::octomap_form_of(path);
+  const occupancy::OctomapNodes nodes = nodes_of(evidence, form);
+  write_octomap(nodes, form, evidence.resolution_m(), path);
+  return shift_m(nodes, evidence.resolution_m());
+}
+
+std::vector<std::int8_t> octomap_message_data(const EvidenceMap& evidence, bool binary) {
+  return message_bytes(nodes_of(evidence, binary ? occupancy::OctomapForm::kBinary : occupancy::OctomapForm::kFull));
 }
 
 void save_clouds(const SubmapCollection& collection, const std::string& directory) {
