@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <sstream>
 
 #include "local_map/analytic_scan.hpp"
 #include "octomap_insertion.hpp"
 #include "voxnav/occupancy/local_map.hpp"
+#include "voxnav/occupancy/octomap_export.hpp"
 
 using namespace voxnav;  // NOLINT: benchmark
 using voxnav::benchmark::position;
@@ -107,6 +109,31 @@ void occupied_points(::benchmark::State& state) {
   state.counters["points"] = static_cast<double>(map.occupied_points().size()) / 3.0;
 }
 
+/// Measures the data of an OctoMap message of the whole map.
+template <bool kIsBinary>
+void octomap_message(::benchmark::State& state) {
+  const auto map = make_map();
+  for (auto _ : state) ::benchmark::DoNotOptimize(occupancy::octomap_message_data(map, kIsBinary));
+  state.counters["bytes"] = static_cast<double>(occupancy::octomap_message_data(map, kIsBinary).size());
+}
+
+/// Measures the same bytes made by OctoMap itself, as a program that has the voxels of the map would.
+void octomap_message_by_octomap(::benchmark::State& state) {
+  const auto map = make_map();
+  for (auto _ : state) {
+    octomap::OcTree tree(map.config().resolution_m);
+    map.for_known([&](const occupancy::LocalMap::KnownVoxel& voxel) {
+      const Vec3 center = geometry::center_of(voxel.index, map.config().resolution_m);
+      tree.setNodeValue(center.x(), center.y(), center.z(), static_cast<float>(voxel.log_odds), true);
+    });
+    tree.updateInnerOccupancy();
+    tree.prune();
+    std::stringstream bytes;
+    tree.writeData(bytes);
+    ::benchmark::DoNotOptimize(bytes.str());
+  }
+}
+
 /// Measures an empty scan that moves the window by a block, whose evicted content is made for the handover.
 void window_move(::benchmark::State& state) {
   auto map = make_map();
@@ -138,6 +165,9 @@ BENCHMARK(ray_of_20_m);
 BENCHMARK(ray_octomap);
 BENCHMARK(corridor_60_m)->Unit(::benchmark::kMicrosecond);
 BENCHMARK(occupied_points)->Unit(::benchmark::kMicrosecond);
+BENCHMARK(octomap_message<false>)->Unit(::benchmark::kMillisecond);
+BENCHMARK(octomap_message<true>)->Unit(::benchmark::kMillisecond);
+BENCHMARK(octomap_message_by_octomap)->Unit(::benchmark::kMillisecond);
 BENCHMARK(window_move)->Unit(::benchmark::kMicrosecond)->Iterations(40);
 
 }  // namespace

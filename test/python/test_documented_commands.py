@@ -31,6 +31,8 @@ TESTS = {
     ". /opt/voxnav/setup.bash": ("scripts/dev/build_deb", "-DCMAKE_INSTALL_PREFIX=/opt/voxnav"),
     "rosservice call /uav1/planning_manager/goto": ("test/rostest/planning_manager_test.py", "planning_manager/goto"),
     "rosservice call /uav1/planning_manager/stop": ("test/rostest/planning_manager_test.py", "planning_manager/stop"),
+    "rosservice call /uav1/octomap_planner/goto": ("test/rostest/octomap_planner_test.py", '"octomap_planner/goto"'),
+    "rosservice call /uav1/octomap_planner/stop": ("test/rostest/octomap_planner_test.py", '"octomap_planner/stop"'),
     "rosbag play --clock flight.bag": ("test/python/test_rosbag_play.py", '"rosbag", "play", "--clock"'),
     "dask-scheduler": ("test/python/test_campaign.py", '"dask-scheduler"'),
     "scripts/dev/in_workspace build/ws dask-worker": ("test/python/test_campaign.py", '"dask-worker"'),

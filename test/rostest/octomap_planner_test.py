@@ -139,12 +139,40 @@ class OctomapPlannerTest(unittest.TestCase):
         self.assertIn("no transform", service(request).message)
         np.testing.assert_allclose(self.uav.position, position, atol=0.05)
 
-    def test_8_virtual_obstacles_without_anybody_who_keeps_them_are_refused(self):
+    def test_8_virtual_obstacles_are_flown_round_until_they_are_removed(self):
         add = proxy("octomap_planner/add_virtual_obstacle", ValidateReferenceArray)
-        response = add(ValidateReferenceArrayRequest())
-        self.assertEqual(list(response.success), [False])
-        self.assertTrue(response.message)
-        self.assertFalse(proxy("octomap_planner/remove_virtual_obstacles", Trigger)().success)
+        remove = proxy("octomap_planner/remove_virtual_obstacles", Trigger)
+        self.fly((0.0, 0.0, 3.0))
+        self.wait_for_arrival((0.0, 0.0, 3.0))
+        corners = [(6.0, -3.0, 0.0), (8.0, -3.0, 8.0), (6.0, 3.0, 0.0)]
+        request = ValidateReferenceArrayRequest()
+        request.array.header.frame_id = O
+        request.array.array = [reference(corner, 0.0) for corner in corners]
+        added = add(request)
+        self.assertEqual(list(added.success), [True], added.message)
+        refused = self.goto([7.0, 0.0, 3.0, 0.0])
+        self.assertFalse(refused.success)
+        path = proxy("minimal_octomap_planner/get_path", FindPath)
+        way = FindPathRequest(start=Point(0.0, 0.0, 3.0), end=Point(14.0, 0.0, 3.0))
+        round_m = np.array([(p.x, p.y, p.z) for p in path(way).path])
+        self.assertGreater(np.abs(round_m[:, 1]).max(), 3.0)
+        self.assertIn("1 virtual obstacles", remove().message)
+        straight = np.array([(p.x, p.y, p.z) for p in path(way).path])
+        self.assertLess(np.abs(straight[:, 1]).max(), 1.0)
+
+    def test_9_virtual_obstacles_that_are_none_are_refused(self):
+        add = proxy("octomap_planner/add_virtual_obstacle", ValidateReferenceArray)
+        places = [(6.0, -3.0, 0.0), (8.0, -3.0, 8.0), (6.0, 3.0, 0.0)]
+        for frame, corners, reason in ((O, places[:2], "exactly 3 points"), ("nowhere", places, "no transform"),
+                                       (O, [places[0]] * 3, ""), (O, [(1e5, 0, 0), (0, 1e5, 9), (0, 0, 0)], "")):
+            request = ValidateReferenceArrayRequest()
+            request.array.header.frame_id = frame
+            request.array.array = [reference(corner, 0.0) for corner in corners]
+            refused = add(request)
+            self.assertEqual(list(refused.success), [False], corners)
+            self.assertTrue(refused.message)
+            self.assertIn(reason, refused.message)
+        self.assertIn("0 virtual obstacles", proxy("octomap_planner/remove_virtual_obstacles", Trigger)().message)
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices, TimedService
 from voxnav.nodes.planning_settings import PlanningSettings
 from voxnav.nodes.time_seam import WorkTimes, seam_for
+from voxnav.nodes.virtual_obstacles import VirtualObstacles
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
 
 NAME = "planning_manager"
@@ -58,6 +59,7 @@ class PlanningManagerNode:
         transform = TimedService("~transform_reference_out", TransformReferenceSrv, node.service_timeout_s, self._seam)
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop, transform)
         self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
+        self._virtual_obstacles = VirtualObstacles(self._fences, self._inputs)
         self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
                                   self._seam)
         self._manager.judge = self._home.judge
