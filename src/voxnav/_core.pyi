@@ -385,18 +385,6 @@ class Handover:
     @property
     def content(self) -> MapContent: ...
 
-class HomeConfig:
-    full_flight_time_s: float
-    reserve_s: float
-    detour_ratio: float
-    battery_timeout_s: float
-    def __init__(
-        self, *,
-        full_flight_time_s: float = ..., reserve_s: float = ..., detour_ratio: float = ...,
-        battery_timeout_s: float = ...
-    ) -> None: ...
-    @staticmethod
-    def from_dict(values: Dict[Any, Any]) -> HomeConfig: ...
 class HeadingConfig:
     mode: str
     offset_rad: float
@@ -416,6 +404,22 @@ class HeadingMode(str, enum.Enum):
     GOAL = "goal"
     FLIGHT_DIRECTION = "flight_direction"
     FIXED = "fixed"
+
+class HomeConfig:
+    full_flight_time_s: float
+    reserve_s: float
+    detour_ratio: float
+    battery_timeout_s: float
+    def __init__(
+        self, *,
+        full_flight_time_s: float = ..., reserve_s: float = ..., detour_ratio: float = ...,
+        battery_timeout_s: float = ...
+    ) -> None: ...
+    @staticmethod
+    def from_dict(values: Dict[Any, Any]) -> HomeConfig: ...
+    def to_dict(self) -> Dict[Any, Any]: ...
+    @staticmethod
+    def describe() -> List[Any]: ...
 
 class InsertStatistics:
     @property

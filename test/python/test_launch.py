@@ -186,7 +186,8 @@ def test_without_bonds_every_nodelet_has_a_process_that_is_started_again(bond, m
 EVERY_LAUNCH_FILE = {"nodes": ARGUMENTS["nodes"], "voxnav": ARGUMENTS["voxnav"], "bag": [], "simulation": [],
                      "sensors": ["kind:=lidar", "sensors:=rear=/points", "nodelet:=load", "manager:=manager",
                                  "launch_prefix:=nice", "lockstep:=false"],
-                     "config": ["file:=" + os.path.join(ROOT, "config", "simulation.yaml")], "rviz": []}
+                     "config": ["file:=" + os.path.join(ROOT, "config", "simulation.yaml")], "rviz": [],
+                     "mapplan": ARGUMENTS["voxnav"], "octomap_face": ["UAV_NAME:=uav1", "bumper:=true"]}
 
 
 def test_every_launch_file_is_known_to_the_next_test():
@@ -195,9 +196,10 @@ def test_every_launch_file_is_known_to_the_next_test():
 
 
 @pytest.mark.parametrize("name", sorted(EVERY_LAUNCH_FILE))
-def test_roslaunch_tells_the_nodes_of_every_launch_file_and_the_arguments_of_each(name, capsys):
+def test_roslaunch_tells_the_nodes_of_every_launch_file_and_the_arguments_of_each(name, capsys, monkeypatch, tmp_path):
     """As `roslaunch --nodes` and `roslaunch --args`, which need the program of every node to exist."""
     node_args = pytest.importorskip("roslaunch.node_args")
+    monkeypatch.setenv("ROS_HOME", str(tmp_path))  # mapplan.launch writes there
     files = [(os.path.join(ROOT, "launch", name + ".launch"), EVERY_LAUNCH_FILE[name])]
     node_args.print_node_list(files)
     names = capsys.readouterr().out.split()

@@ -76,6 +76,12 @@ def test_nodes_and_topics_have_their_names(loaded):
     assert {node.namespace for node in loaded("UAV_NAME:=uav7").nodes} == {"/uav7/"}
 
 
+def test_it_does_not_start_without_a_run_type(loaded, monkeypatch):
+    monkeypatch.delenv("RUN_TYPE")
+    with pytest.raises(roslaunch.core.RLException, match="RUN_TYPE_must_be_realworld_or_simulation"):
+        loaded()
+
+
 def test_their_configurations_become_parameters(loaded, tmp_path):
     config = loaded("config_octomap_server:=" + write(tmp_path / "server.yaml", SERVER_YAML),
                     "config_octomap_planner:=" + write(tmp_path / "planner.yaml", PLANNER_YAML),
