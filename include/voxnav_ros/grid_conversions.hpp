@@ -2,10 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "voxnav/GridUpdate.h"
 #include "voxnav/base/time.hpp"
+#include "voxnav/containers/moving_thing.hpp"
 #include "voxnav/containers/state_grid.hpp"
+#include "voxnav/occupancy/new_hit.hpp"
 #include "voxnav_ros/messages.hpp"
 
 namespace voxnav_ros {
@@ -19,6 +22,10 @@ struct GridUpdateHeader {
 };
 
 msg::GridUpdate to_msg(voxnav::containers::GridUpdate update, const GridUpdateHeader& header);
+
+/// Adds what the newest sweep showed beside the map to an update of the local map.
+void add_sightings(const std::vector<voxnav::occupancy::NewHit>& hits,
+                   const std::vector<voxnav::containers::MovingThing>& things, msg::GridUpdate* msg);
 
 /// Returns the update of a message without checking it: containers::apply() checks lengths and states.
 voxnav::containers::GridUpdate from_msg(const msg::GridUpdate& msg);

@@ -32,6 +32,7 @@ MapperConfig config_of(const py::kwargs& kwargs) {
   for (const auto& item : kwargs) values[item.first] = item.second;
   MapperConfig parts;
   take_part<occupancy::LocalMapConfig>("map", &values, &parts.map);
+  take_part<occupancy::MovingThingsConfig>("moving", &values, &parts.moving);
   take_part<pipeline::SubmapSchedulerConfig>("submap", &values, &parts.submap);
   take_part<pipeline::LoadControlConfig>("load", &values, &parts.load);
   take_part<odometry::LidarOdometryConfig>("odometry", &values, &parts.odometry);
@@ -43,10 +44,12 @@ MapperConfig config_of(const py::kwargs& kwargs) {
 void bind_mapper_config(py::module_& m) {
   bind_config<pipeline::SensorConfig>(m, "SensorConfig", "What Mapper has to know of one sensor beside its mount.");
   auto cls = bind_config<MapperConfig>(m, "MapperConfig", "Parameters of Mapper.");
-  cls.def(py::init(&config_of),
-          "Defaults, with fields set by keyword; map, submap, load and odometry are configurations of their own.\n"
-          "If odometry is given, the mapper estimates its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
+  cls.def(
+      py::init(&config_of),
+      "Defaults, with fields set by keyword; map, moving, submap, load and odometry are configurations of their own.\n"
+      "If odometry is given, the mapper estimates its poses itself, by LiDAR odometry.\n\nRaises ConfigError.");
   cls.def_readwrite("map", &MapperConfig::map)
+      .def_readwrite("moving", &MapperConfig::moving)
       .def_readwrite("submap", &MapperConfig::submap)
       .def_readwrite("load", &MapperConfig::load)
       .def_readwrite("sensors", &MapperConfig::sensors, "List of SensorConfig, by Sweep.sensor; at least one.")
@@ -181,7 +184,10 @@ void bind_mapper(py::module_& m) {
           py::arg("reason") = "shutdown", "Closes the open submap. Returns a list of at most one Handover.")
       .def_property_readonly(
           "map", [](MountedMapper& self) -> occupancy::LocalMap& { return self.mapper.map(); },
-          py::return_value_policy::reference_internal, "The LocalMap.");
+          py::return_value_policy::reference_internal, "The LocalMap.")
+      .def_property_readonly(
+          "moving_things", [](const MountedMapper& self) { return self.mapper.moving().things(); },
+          "What moves in the map, as of the newest sweep: list of MovingThing.");
 }
 
 }  // namespace voxnav::bindings

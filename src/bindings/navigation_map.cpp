@@ -31,6 +31,30 @@ py::object apply(NavigationMap& map, std::uint32_t sequence, double resolution_m
   return to_member(applied);
 }
 
+constexpr py::ssize_t kThingNumbers = 12;
+
+/// Rows of id, position, velocity, half size, and the standard deviations of position and velocity.
+std::vector<containers::MovingThing> things_of(const py::array& rows) {
+  const double* row = data_of<double>(rows, "things", {-1, kThingNumbers});
+  std::vector<containers::MovingThing> out;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i, row += kThingNumbers) {
+    const auto vec = [&](int first) { return geometry::Vec3(row[first], row[first + 1], row[first + 2]); };
+    out.push_back({static_cast<std::uint32_t>(row[0]), vec(1), vec(4), vec(7), row[10], row[11]});
+  }
+  return out;
+}
+
+void set_sightings(NavigationMap& map, double stamp_s, double resolution_m, const py::array& hits,
+                   const py::array& returns, const py::array& things) {
+  const auto* voxel = data_of<std::int32_t>(hits, "hits", {-1, 3});
+  const auto* num_returns = data_of<std::int32_t>(returns, "returns", {hits.shape(0)});
+  SweepSightings out{base::from_seconds(stamp_s), resolution_m, {}, things_of(things)};
+  for (py::ssize_t i = 0; i < hits.shape(0); ++i) {
+    out.hits.push_back({{voxel[3 * i], voxel[3 * i + 1], voxel[3 * i + 2]}, num_returns[i]});
+  }
+  map.set_sightings(out);
+}
+
 }  // namespace
 
 void bind_navigation_map(py::module_& m) {
@@ -49,6 +73,11 @@ void bind_navigation_map(py::module_& m) {
            py::arg("block_indices"), py::arg("states"), py::arg("removed"), py::arg("is_snapshot"), apply_doc)
       .def("apply_obstacles", &apply<&NavigationMap::apply_obstacles>, py::arg("sequence"), py::arg("resolution_m"),
            py::arg("block_indices"), py::arg("states"), py::arg("removed"), py::arg("is_snapshot"), apply_doc)
+      .def("set_sightings", &set_sightings, py::arg("stamp_s"), py::arg("resolution_m"), py::arg("hits"),
+           py::arg("returns"), py::arg("things"),
+           "Sets what the newest sweep showed beside the local map. Raises ValueError.\n\n"
+           "hits: (n, 3) int32 voxels, returns: (n,) int32 in each; things: (k, 12) float64, rows of id, position,\n"
+           "velocity, half size, and standard deviations of position and velocity [m, m/s].")
       .def(
           "set_T_W_O", [](NavigationMap& map, const py::array& T) { map.set_T_W_O(pose_of(T, "T_W_O")); },
           py::arg("T_W_O"))

@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "bind_config.hpp"
 #include "floors.hpp"
+#include "moving_things.hpp"
 #include "octomap_shift.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 #include "voxnav/occupancy/octomap_export.hpp"
@@ -89,6 +90,21 @@ py::tuple update_tuple(containers::GridUpdate&& update) {
                         array_from(std::move(update.removed_block_indices), 3));
 }
 
+py::tuple new_hits(const LocalMap& map) {
+  const std::vector<occupancy::NewHit>& hits = map.new_hits();
+  const auto count = static_cast<py::ssize_t>(hits.size());
+  py::array_t<float> points({count, py::ssize_t{3}});
+  py::array_t<std::int32_t> returns(count);
+  py::array_t<std::int8_t> states(count);
+  for (py::ssize_t i = 0; i < count; ++i) {
+    const occupancy::NewHit& hit = hits[static_cast<std::size_t>(i)];
+    std::copy(hit.point.data(), hit.point.data() + 3, points.mutable_data() + 3 * i);
+    returns.mutable_data()[i] = hit.num_points;
+    states.mutable_data()[i] = static_cast<std::int8_t>(hit.state);
+  }
+  return py::make_tuple(points, returns, states);
+}
+
 void bind_statistics(py::module_& m) {
   py::class_<TimedStatistics>(m, "InsertStatistics", "Counts and wall time [s] of one insertion into a LocalMap.")
       .def_readonly("points", &TimedStatistics::points)
@@ -169,6 +185,9 @@ void bind_outputs(py::class_<LocalMap>& cls) {
       .def(
           "free_centers", [](const LocalMap& m, double threshold) { return array_from(m.centers_below(threshold), 3); },
           py::arg("threshold") = 0.3, "(k, 3) float32 centres of voxels below the probability.")
+      .def("new_hits", &new_hits,
+           "Returns the hits of the newest scan in voxels that were believed to be free a short time ago, as (points\n"
+           "(k, 3) float32 [m], returns (k,) int32, states after the scan (k,) int8).")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
       .def("hand_over", &LocalMap::hand_over,
            "Returns content() and begins a new submap: what is hit or crossed from here on counts as observed by it.")
@@ -227,6 +246,7 @@ void bind_occupancy(py::module_& m) {
       .def_property_readonly("memory_bytes", &LocalMap::memory_bytes);
   bind_queries(cls);
   bind_outputs(cls);
+  bind_moving_things(m);
 }
 
 }  // namespace voxnav::bindings

@@ -74,10 +74,17 @@ PlanOutcome plan_job(const planning::PathPlanner& planner, const planning::Clear
 
 SafePart safe_part_of(const PlanningManagerConfig& config, const std::shared_ptr<OccupancyView>& view,
                       const Trajectory& trajectory, double from_arc_m, double radius_m, const py::object& velocity_O,
-                      const LimitValues& values) {
-  const FlownTrajectory flown{trajectory, from_arc_m, radius_m, vec3_of(velocity_O, "velocity_O"), limits_of(values)};
+                      const LimitValues& values, const std::optional<double>& now_s) {
+  FlownTrajectory flown{trajectory, from_arc_m, radius_m, vec3_of(velocity_O, "velocity_O"), limits_of(values)};
+  if (now_s) flown.now_ns = base::from_seconds(*now_s);
   py::gil_scoped_release release;
   return safe_part(config, *view, flown);
+}
+
+py::object first_meeting_of(const std::shared_ptr<OccupancyView>& view, const Trajectory& trajectory, double now_s,
+                            double radius_m) {
+  const auto meeting = place_of_meeting(*view, trajectory, base::from_seconds(now_s), radius_m);
+  return meeting ? py::object(py::make_tuple(meeting->arc_m, meeting->after_s)) : py::object(py::none());
 }
 
 void bind_safe_part(py::module_& m) {
@@ -90,8 +97,14 @@ void bind_safe_part(py::module_& m) {
   m.def(
       "safe_part", &safe_part_of, py::arg("config"), py::arg("view").none(false), py::arg("trajectory"),
       py::arg("from_arc_m"), py::arg("radius_m"), py::arg("velocity_O"), py::arg("limits"),
+      py::arg("now_s") = py::none(),
       "Checks the corridor of a trajectory from an arc length on, and cuts it to what can be flown and stopped in.\n\n"
-      "limits: speed and acceleration, each horizontal, ascending, descending, in pairs. Releases the GIL.");
+      "limits: speed and acceleration, each horizontal, ascending, descending, in pairs; now_s: time at which the\n"
+      "vehicle is at from_arc_m, None for that of the newest sweep. Releases the GIL.");
+  m.def("first_meeting", &first_meeting_of, py::arg("view").none(false), py::arg("trajectory"), py::arg("now_s"),
+        py::arg("radius_m"),
+        "Returns where a ball that flies a trajectory from now on, and rests at its end, may touch something that "
+        "moves:\n(arc length [m], seconds from now); None if it meets nothing.");
 }
 
 }  // namespace

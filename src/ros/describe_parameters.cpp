@@ -15,6 +15,7 @@
 #include "voxnav/cloud/open_beams.hpp"
 #include "voxnav/cloud/pcl_filters.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
+#include "voxnav/occupancy/moving_things.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 #include "voxnav/pipeline/mapper_config.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
@@ -99,9 +100,10 @@ int main() {
   print("lidar_odometry",
         {section<voxnav::odometry::LidarOdometryConfig>("odometry"), section<ros_::LidarOdometryNodeConfig>("node")});
   print("local_mapper",
-        {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::pipeline::SubmapSchedulerConfig>("submap"),
-         section<voxnav::pipeline::MapperConfig>("mapper"), section<voxnav::pipeline::LoadControlConfig>("load"),
-         section<voxnav::pipeline::SensorConfig>("lidar"), section<ros_::LocalMapperConfig>("node")});
+        {section<voxnav::occupancy::LocalMapConfig>("map"), section<voxnav::occupancy::MovingThingsConfig>("moving"),
+         section<voxnav::pipeline::SubmapSchedulerConfig>("submap"), section<voxnav::pipeline::MapperConfig>("mapper"),
+         section<voxnav::pipeline::LoadControlConfig>("load"), section<voxnav::pipeline::SensorConfig>("lidar"),
+         section<ros_::LocalMapperConfig>("node")});
 #ifdef VOXNAV_HAS_SIMULATION
   namespace simulation = voxnav_simulation;
   print("lidar_simulator",

@@ -5,6 +5,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "local_map_messages.hpp"
+#include "moving_markers.hpp"
 #include "voxnav_ros/conversions.hpp"
 #include "voxnav_ros/messages.hpp"
 
@@ -32,6 +33,7 @@ void LocalMapperNodelet::initialize() {
   ParamLoader& params = parameters();
   params.section("mapper", &mapper);
   params.section("map", &mapper.map);
+  params.section("moving", &mapper.moving);
   params.section("submap", &mapper.submap);
   params.section("load", &mapper.load);
   params.section("node", &config_);
@@ -64,6 +66,7 @@ void LocalMapperNodelet::advertise() {
   updates_ = nh.advertise<msg::GridUpdate>("map_out", 20);
   handovers_ = nh.advertise<msg::Handover>("handover_out", 20);
   occupied_ = nh.advertise<sensor_msgs::PointCloud2>("occupied_out", 1, true);
+  moving_ = nh.advertise<visualization_msgs::MarkerArray>("moving_markers_out", 2);
   octomap_ = nh.advertise<octomap_msgs::Octomap>("octomap_out", 1, true);
   octomap_binary_ = nh.advertise<octomap_msgs::Octomap>("octomap_binary_out", 1, true);
   services_ = {nh.advertiseService("get_map_in", &LocalMapperNodelet::on_get_map, this),
@@ -197,7 +200,14 @@ void LocalMapperNodelet::publish_map(const pipeline::MapperStep& step) {
   voxnav::containers::GridUpdate update = mapper_->map().take_changes();
   if (is_snapshot_due(map_stamp_)) update = mapper_->map().snapshot();
   ++sequence_;
-  updates_.publish(to_msg(std::move(update), update_header(map_stamp_)));
+  updates_.publish(update_msg(std::move(update), map_stamp_));
+  if (moving_.getNumSubscribers() > 0) moving_.publish(moving_markers(mapper_->moving().things(), header(map_stamp_)));
+}
+
+msg::GridUpdate LocalMapperNodelet::update_msg(voxnav::containers::GridUpdate update, const ros::Time& stamp) const {
+  msg::GridUpdate out = to_msg(std::move(update), update_header(stamp));
+  add_sightings(mapper_->map().new_hits(), mapper_->moving().things(), &out);
+  return out;
 }
 
 void LocalMapperNodelet::publish_pictures(const ros::Time& stamp) {

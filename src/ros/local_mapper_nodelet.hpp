@@ -54,6 +54,7 @@ class LocalMapperNodelet : public NodeletBase {
 
   bool is_snapshot_due(const ros::Time& stamp);
   void publish_map(const pipeline::MapperStep& step);
+  msg::GridUpdate update_msg(voxnav::containers::GridUpdate update, const ros::Time& stamp) const;
   void publish_pictures(const ros::Time& stamp);
   void publish_octomap(const ros::Publisher& publisher, bool is_binary, const ros::Time& stamp);
   void hand_over(const std::vector<pipeline::Handover>& handovers);
@@ -94,7 +95,7 @@ class LocalMapperNodelet : public NodeletBase {
   double work_s_ = 0.0;  // on the scans since the last one that led
   ros::SteadyTime warned_;
   ros::Time map_stamp_, last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
-  ros::Publisher origin_, updates_, handovers_, occupied_, octomap_, octomap_binary_;
+  ros::Publisher origin_, updates_, handovers_, moving_, occupied_, octomap_, octomap_binary_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber odometry_, quality_, uav_state_;
   ros::SteadyTimer overdue_;

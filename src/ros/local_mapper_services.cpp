@@ -23,7 +23,7 @@ bool answer(Response* response, const std::string& done, Action action) {
 
 bool LocalMapperNodelet::on_get_map(voxnav::GetGrid::Request&, voxnav::GetGrid::Response& response) {
   response.success = true;
-  response.grid = to_msg(mapper_->map().snapshot(), update_header(to_ros(mapper_->newest_stamp_ns().value_or(0))));
+  response.grid = update_msg(mapper_->map().snapshot(), to_ros(mapper_->newest_stamp_ns().value_or(0)));
   return true;
 }
 

@@ -41,7 +41,8 @@ RUN_BY = {
     "dev/run_tidy": "Makefile",
 }
 RUN_HERE = {"check_recording", "map_bag", "merge_maps", "evaluate_alignment", "evaluate_foliage", "evaluate_ghosts",
-            "evaluate_rain", "dev/make_parameter_docs", "dev/make_stubs", "dev/plot_local_map", "dev/plot_sensors"}
+            "evaluate_rain", "evaluate_reaction", "dev/make_parameter_docs", "dev/make_stubs", "dev/plot_local_map",
+            "dev/plot_sensors"}
 
 
 def run(script, *arguments, status=0):
@@ -122,6 +123,12 @@ def test_rain_is_evaluated():
     for resolution in ("0.2", "0.4"):
         assert false_per_minute[resolution, "True"] < 0.2 * false_per_minute[resolution, "False"]
     assert all(re.match(r"0\.\d+ / 0\.\d+$|1\.000 / 0\.\d+$", cell) for row in rows for cell in row[6:])
+
+
+def test_the_reaction_to_a_truck_is_evaluated():
+    rows = rows_of(run("evaluate_reaction", "--gaps", 8, 4, "--speeds", 3))
+    assert [row[:3] for row in rows] == [["8.0", "3.0", "1"], ["4.0", "3.0", "1"]]
+    assert all(float(row[3]) > min(1.1, float(row[4])) - 0.05 for row in rows)
 
 
 def test_alignment_and_ghosts_are_evaluated(tmp_path):

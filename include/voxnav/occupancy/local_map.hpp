@@ -13,6 +13,7 @@
 #include "voxnav/geometry/points_view.hpp"
 #include "voxnav/occupancy/local_map_config.hpp"
 #include "voxnav/occupancy/map_content.hpp"
+#include "voxnav/occupancy/new_hit.hpp"
 
 namespace voxnav::occupancy {
 
@@ -71,6 +72,22 @@ class LocalMap {
   /// O(points + voxels crossed).
   InsertStatistics insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
                           const geometry::PointsView& no_return_directions_L = {}, const ScanLimits& limits = {});
+  /// The hits of the newest scan in voxels that were believed to be free, sorted by voxel. What moves shows in these.
+  const std::vector<NewHit>& new_hits() const;
+  /// Returns what became of a new voxel; nothing if it is none.
+  std::optional<NewVoxelSight> sight_of_new(const geometry::Index3& voxel) const;
+  /// Marks new voxels as those of something that moves; others are left as they are. Content that is handed over then
+  /// holds what was known of these voxels before.
+  void mark_moving(const std::vector<geometry::Index3>& voxels);
+  /// Does so with voxels in a box that the newest scan hit as the first one, and of which nothing was known before.
+  void mark_moving_in(const geometry::Aabb& box);
+  /// Takes new voxels for a part of the static map from here on.
+  void mark_static(const std::vector<geometry::Index3>& voxels);
+  /// Takes back the hits of moving voxels that were left: a voxel through whose surface a scan saw since its last hit
+  /// becomes what it was before, one that was not hit for a while unknown. A voxel that the newest scan hit outside of
+  /// the boxes is static. O(moving voxels * boxes). Returns the number of voxels that were taken back.
+  /// @param bodies  where moving things are now
+  std::size_t take_back_moving(const std::vector<geometry::Aabb>& bodies);
   /// Marks voxels whose centre lies within `radius_m` as free unless they are occupied, because the vehicle is there.
   std::size_t mark_free(const geometry::Vec3& center, double radius_m);
   /// Sets voxels to given log-odds, for example those of another map. Voxels outside the window are left out, and no

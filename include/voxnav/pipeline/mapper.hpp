@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "voxnav/occupancy/local_map.hpp"
+#include "voxnav/occupancy/moving_things.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 #include "voxnav/pipeline/mapper_config.hpp"
 #include "voxnav/pipeline/sweep_locator.hpp"
@@ -98,6 +98,8 @@ class Mapper {
 
   occupancy::LocalMap& map();
   const occupancy::LocalMap& map() const;
+  /// What moves in the map, as of the newest sweep.
+  const occupancy::MovingThings& moving() const;
   /// The stamp of the newest sweep in the map; nothing before the first.
   std::optional<base::StampNs> newest_stamp_ns() const;
   /// Returns what is wrong with the IMU samples and the frame of the mapper's own odometry, in sentences for people.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxnav/occupancy/local_map_config.hpp"
+#include "voxnav/occupancy/moving_things.hpp"
 #include "voxnav/odometry/lidar_odometry_config.hpp"
 #include "voxnav/pipeline/submap_scheduler.hpp"
 
@@ -58,6 +59,7 @@ struct MapperConfig {
   double vehicle_radius_m = 0.8;
 
   occupancy::LocalMapConfig map;
+  occupancy::MovingThingsConfig moving;
   SubmapSchedulerConfig submap;
   LoadControlConfig load;
   /// The sensors, by cloud::Sweep::sensor; at least one. The mapper's own odometry follows the first.

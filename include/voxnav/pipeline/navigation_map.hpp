@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "voxnav/base/config.hpp"
+#include "voxnav/base/time.hpp"
+#include "voxnav/containers/moving_thing.hpp"
 #include "voxnav/containers/state_grid.hpp"
 #include "voxnav/planning/fences.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
@@ -19,6 +21,7 @@ class FenceRaster;
 namespace voxnav::pipeline {
 
 class PlacedObstacles;
+class PlacedSightings;
 
 struct NavigationMapConfig {
   double min_altitude_m = 0.5;
@@ -29,6 +32,10 @@ struct NavigationMapConfig {
   double footprint_radius_m = 1.2;
   double footprint_half_height_m = 1.2;
   bool local_knows_better = true;
+  bool use_new_hits = true;
+  double moving_horizon_s = 2.5;
+  double moving_growth_mps = 0.2;
+  double moving_clearance_m = 1.0;
   double area_margin_m = 0.4;
   double zone_distance_m = 1.0;
 
@@ -51,6 +58,14 @@ struct NavigationMapConfig {
       "as footprint_radius_m, up and down");
     v("local_knows_better", &NavigationMapConfig::local_knows_better, base::any(), "",
       "obstacles of the global map give way where the local map knows everything within the safety distance");
+    v("use_new_hits", &NavigationMapConfig::use_new_hits, base::any(), "",
+      "what one sweep shows in free space counts at once, before the map believes it");
+    v("moving_horizon_s", &NavigationMapConfig::moving_horizon_s, base::in(0.0, 10.0), "s",
+      "the flight keeps clear of where moving things will be within this time; 0 = of where they are only");
+    v("moving_growth_mps", &NavigationMapConfig::moving_growth_mps, base::in(0.0, 5.0), "m/s",
+      "the room that moving things may need grows by this, beside the uncertainty of their velocity");
+    v("moving_clearance_m", &NavigationMapConfig::moving_clearance_m, base::in(0.0, 10.0), "m",
+      "distance of paths from where moving things may be");
     v("area_margin_m", &NavigationMapConfig::area_margin_m, base::in(0.0, 20.0), "m",
       "planned paths stay this far inside the safety area, at its sides as below and above; what is flown stays "
       "inside");
@@ -58,6 +73,18 @@ struct NavigationMapConfig {
       "planned paths stay this far from no-fly zones; what is flown keeps corridor_radius_m");
   }
   std::vector<std::string> problems() const;
+};
+
+/// What the newest sweep showed beside the local map, frame O.
+struct SweepSightings {
+  struct Hit {
+    geometry::Index3 voxel;
+    int num_returns = 0;
+  };
+  base::StampNs stamp_ns = 0;
+  double resolution_m = 0.0;  ///< edge of the voxels
+  std::vector<Hit> hits;      ///< in voxels that the map believes to be free although the sweep hit them
+  std::vector<containers::MovingThing> things;
 };
 
 /// The map by which the planner flies, in the odometry frame O: the local map as it is, the obstacles of the global map
@@ -80,6 +107,9 @@ class NavigationMap {
   Applied apply_local(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
   Applied apply_obstacles(const containers::GridUpdate& update, std::uint32_t sequence, double resolution_m);
 
+  /// Takes what the newest sweep showed beside the local map; it holds until the next sweep.
+  /// @throws std::invalid_argument if a thing is not finite, or resolution_m is not positive
+  void set_sightings(const SweepSightings& sightings);
   void set_T_W_O(const geometry::Pose& T_W_O);
   void set_vehicle(const geometry::Vec3& position_O);
   /// Sets the fences of the flight, null for none.
@@ -107,6 +137,7 @@ class NavigationMap {
   Layer obstacles_;
   std::optional<geometry::Pose> T_W_O_;
   std::optional<geometry::Vec3> vehicle_O_;
+  std::shared_ptr<const PlacedSightings> sightings_;
   std::shared_ptr<const planning::Fences> fences_O_;
   mutable std::shared_ptr<const planning::FenceRaster> raster_;  ///< kept while the fences are the same
   mutable std::shared_ptr<const PlacedObstacles> placed_;        ///< kept from one view to the next while nothing moves

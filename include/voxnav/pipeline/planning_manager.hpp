@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "voxnav/base/config.hpp"
+#include "voxnav/base/time.hpp"
 #include "voxnav/planning/clearance_field.hpp"
 #include "voxnav/planning/occupancy_view.hpp"
 #include "voxnav/planning/path_planner.hpp"
@@ -118,17 +119,32 @@ struct FlownTrajectory {
   double radius_m;    ///< that must be known free around it
   geometry::Vec3 velocity_O;
   planning::DynamicsLimits limits;  ///< must be valid
+  /// The time at which the vehicle is there. If it is not given, it is that of the sightings of the view.
+  std::optional<base::StampNs> now_ns = std::nullopt;
 };
 
 /// What of a trajectory may be flown.
 struct SafePart {
-  /// The whole trajectory if its corridor is known free; else as much as can be flown and stopped in, from where the
-  /// vehicle is; nothing when there is no room to stop.
+  /// The whole trajectory if its corridor is known free and meets nothing that moves; else as much as can be flown and
+  /// stopped in, from where the vehicle is; nothing when there is no room to stop.
   std::optional<planning::Trajectory> trajectory;
   std::string problem;  ///< where the corridor is not known free, for a person; empty when it is
 };
 
-/// Checks the corridor of a trajectory and cuts it. @param view in the frame of the trajectory
+/// Where something that moves may be met: the length flown before it, and the time from now.
+struct PlaceOfMeeting {
+  double arc_m;
+  double after_s;
+};
+
+/// Returns where a ball that flies a trajectory from now on, and rests at its end, may first touch something that
+/// moves; nothing if it meets nothing within the time for which things are predicted.
+std::optional<PlaceOfMeeting> place_of_meeting(const planning::OccupancyView& view,
+                                               const planning::Trajectory& trajectory, base::StampNs now_ns,
+                                               double radius_m);
+
+/// Checks the corridor of a trajectory, and what it may meet there, and cuts it. A lone return counts as soon as the
+/// vehicle could not stop any more if it waited for the next sweep. @param view in the frame of the trajectory
 SafePart safe_part(const PlanningManagerConfig& config, const planning::OccupancyView& view,
                    const FlownTrajectory& flown);
 

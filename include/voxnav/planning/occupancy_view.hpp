@@ -13,6 +13,7 @@ namespace voxnav::planning {
 using containers::StateBlock;
 using containers::VoxelState;
 
+struct Sightings;
 class Fences;
 
 /// One bit for each voxel of a block, in the order of geometry::offset_in_block().
@@ -47,6 +48,9 @@ class OccupancyView {
   /// all voxels within the safety distance, a `hard` one never. The default implementation has none.
   /// @return false if the block has none
   virtual bool forbidden(const geometry::Index3& block, BlockMask* hard, BlockMask* soft) const;
+
+  /// What the newest sweep showed beside the map; null if nothing tells. It is kept as long as the view.
+  virtual const Sightings* sightings() const { return nullptr; }
 
   /// The distance [m] by which the occupied voxels of this view have been grown already. A planner grows them only by
   /// the rest of its safety distance.

@@ -101,16 +101,35 @@ void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const Voxe
   }
 }
 
+/// Lists the hits in new voxels. Both the hits of a block and its new voxels are sorted by offset.
+void report_hits_of_new(const OctreeBlock& block, const BlockEvidence& evidence, const StateLevels& levels,
+                        std::vector<HitOfNew>* out) {
+  const HitVoxel* hit = evidence.hits_begin;
+  for (const NewVoxel& voxel : block.new_voxels.all()) {
+    if (voxel.last_scan != evidence.scan) continue;
+    while (hit->offset != voxel.offset) ++hit;
+    const bool is_first = voxel.first_scan == evidence.scan;
+    out->push_back({hit, is_first, voxel.is_clear, levels.of(block.log_odds[voxel.offset])});
+  }
+}
+
 }  // namespace
 
-BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
-                         const LogOddsScale& scale, const StateLevels& levels) {
+BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const UpdateRules& rules,
+                         std::vector<HitOfNew>* hits_of_new) {
   static const VoxelBits kNone{};
+  const StateLevels& levels = rules.levels;
   const VoxelBits& hits = evidence.hit_bits != nullptr ? *evidence.hit_bits : kNone;
-  const VoxelBits refuted = refuted_bits(block, evidence, hits, sight);
+  const VoxelBits refuted = refuted_bits(block, evidence, hits, rules.sight);
   Applied applied;
-  apply_misses(block, evidence, hits, refuted, scale, levels, &applied);
-  apply_hits(block, evidence, scale, levels, &applied);
+  apply_misses(block, evidence, hits, refuted, rules.scale, levels, &applied);
+  NewVoxels& new_voxels = block->new_voxels;
+  new_voxels.add_hits(evidence.hits_begin, evidence.hits_end, block->log_odds.data(), levels, evidence.scan);
+  apply_hits(block, evidence, rules.scale, levels, &applied);
+  if (!new_voxels.empty()) {
+    report_hits_of_new(*block, evidence, levels, hits_of_new);
+    new_voxels.end_scan(refuted, evidence.scan);
+  }
   for (int word = 0; word < 64; ++word) block->seen[word] |= evidence.passed[word] | hits[word];
   if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
   // Inner nodes need no work where no level changed: most blocks are free space at the lower clamp, where a miss

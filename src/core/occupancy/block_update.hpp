@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "occupancy/end_voxels.hpp"
 #include "occupancy/octree_block.hpp"
@@ -16,7 +18,16 @@ struct BlockEvidence {
   const VoxelBits* hit_bits;     ///< voxels that were hit; null when there are none
   const HitVoxel* hits_begin;
   const HitVoxel* hits_end;
-  int scan_number;  ///< number of the scan since the last handover, from 1
+  int scan_number;     ///< number of the scan since the last handover, from 1
+  std::uint32_t scan;  ///< OctreeForest::scans
+};
+
+/// A hit of the scan in a voxel that is new (NewVoxels).
+struct HitOfNew {
+  const HitVoxel* hit;
+  bool is_first;                 ///< nothing in the voxel was hit before
+  bool is_clear;                 ///< NewVoxel::is_clear, which is not known yet at the first hit
+  containers::VoxelState state;  ///< of the voxel after the scan
 };
 
 struct BlockUpdate {
@@ -33,9 +44,17 @@ struct BlockUpdate {
   }
 };
 
+/// What update_block() reads beside the block and the evidence.
+struct UpdateRules {
+  const SurfaceSight& sight;
+  const LogOddsScale& scale;
+  const StateLevels& levels;
+};
+
 /// Updates a block with the evidence of one scan. Misses are applied first, then hits, so that a voxel that was both
 /// crossed and hit counts as hit; hit statistics and inner nodes follow.
-BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const SurfaceSight& sight,
-                         const LogOddsScale& scale, const StateLevels& levels);
+/// @param hits_of_new  the hits in new voxels are appended
+BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, const UpdateRules& rules,
+                         std::vector<HitOfNew>* hits_of_new);
 
 }  // namespace voxnav::occupancy

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "occupancy/end_voxels.hpp"
 
+#include <algorithm>
+
 #include "kernels/bits.hpp"
 
 namespace voxnav::occupancy {
@@ -98,7 +100,9 @@ void EndVoxels::finish_block(const Block& block) {
   for (int word = 0; word < 64; ++word) {
     kernels::for_each_bit(block.hits[word], [&](int bit) {
       const int offset = word * 64 + bit;
-      hits_.push_back({block.slot, static_cast<std::uint16_t>(offset), spread_of(sums_[hits_.size()])});
+      const kernels::PointSum& sum = sums_[hits_.size()];
+      const auto num_points = static_cast<std::uint16_t>(std::min(sum.first[3], 65535.0f));
+      hits_.push_back({block.slot, static_cast<std::uint16_t>(offset), num_points, spread_of(sum)});
       const geometry::Index3 voxel = geometry::voxel_at(at, offset);
       const geometry::Vec3f corner(static_cast<float>(voxel.x), static_cast<float>(voxel.y),
                                    static_cast<float>(voxel.z));

@@ -11,9 +11,10 @@ namespace voxnav::occupancy {
 
 /// One voxel in which beams of the present scan ended.
 struct HitVoxel {
-  std::uint32_t slot;    ///< slot of the block in the window
-  std::uint16_t offset;  ///< offset of the voxel in the block
-  PointSpread points;    ///< mean and covariance of the end points
+  std::uint32_t slot;        ///< slot of the block in the window
+  std::uint16_t offset;      ///< offset of the voxel in the block
+  std::uint16_t num_points;  ///< end points in the voxel, saturates
+  PointSpread points;        ///< mean and covariance of the end points
 };
 
 /// Sorts the beams of one scan into their end voxels, so that each voxel is hit once and one ray is cast for it.

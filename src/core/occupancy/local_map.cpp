@@ -37,6 +37,7 @@ InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const ge
   statistics.window_cleared = move.jumped;
   impl_->keep(std::move(move.evicted), &statistics);
   forest.recent_scans = std::min(forest.recent_scans + 1, SurfaceLeaf::kMaxNumber);
+  ++forest.scans;
   impl_->insertion.run({points_L, no_return_directions_L, T_W_L, limits}, &forest, &statistics);
   return statistics;
 }
@@ -61,6 +62,7 @@ void LocalMap::clear() {
   ++forest.sequence;
   for (const EvictedBlock& block : forest.window.take_all()) impl_->removed.add(block.index, forest.sequence);
   impl_->evicted.clear();
+  impl_->moving.clear();
   forest.recent_scans = 0;
 }
 
@@ -91,6 +93,7 @@ std::size_t LocalMap::assign(const std::vector<VoxelLogOdds>& voxels) {
     const int offset = geometry::offset_in_block(index);
     block.log_odds[offset] = static_cast<std::uint8_t>(std::clamp(level, 0.0, static_cast<double>(forest.scale.max)));
     block.mark_seen(offset);
+    block.new_voxels.erase(offset);
     touched.insert(slot);
     ++num_set;
   }
@@ -134,7 +137,8 @@ std::size_t LocalMap::mark_free(const geometry::Vec3& center, double radius_m) {
 
 std::size_t LocalMap::memory_bytes() const {
   return sizeof(*this) + sizeof(Impl) - sizeof(BlockWindow) + impl_->forest.window.memory_bytes() +
-         impl_->insertion.memory_bytes() + impl_->evicted.memory_bytes() + impl_->removed.memory_bytes();
+         impl_->insertion.memory_bytes() + impl_->evicted.memory_bytes() + impl_->removed.memory_bytes() +
+         impl_->moving.capacity() * sizeof(geometry::Index3);
 }
 
 }  // namespace voxnav::occupancy

@@ -10,8 +10,9 @@ namespace voxnav::occupancy {
 namespace {
 
 /// The worst case of memory: block_update.cpp bounds hit statistics to a quarter of a block's voxels.
-constexpr double kBytesPerBlock =
-    sizeof(OctreeBlock) + sizeof(void*) + geometry::kBlockVolume / 4.0 * sizeof(SurfaceLeaf);
+constexpr double kBytesPerBlock = sizeof(OctreeBlock) + sizeof(void*) +
+                                  geometry::kBlockVolume / 4.0 * sizeof(SurfaceLeaf) +
+                                  NewVoxels::kMax * sizeof(NewVoxel);
 
 /// Ray casting needs three bits per voxel (ray_marks.hpp), and a quarter more for spare lines and for the words at the
 /// edges of the images of the faces.

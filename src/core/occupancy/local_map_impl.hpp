@@ -28,7 +28,8 @@ struct LocalMap::Impl {
   ScanInsertion insertion;
   EvictedBlocks evicted;
   RemovedBlocks removed;
-  std::uint64_t taken_at = 0;  ///< sequence number at the last take_changes()
+  std::vector<geometry::Index3> moving;  ///< voxels that are marked as moving, and some that are not any more
+  std::uint64_t taken_at = 0;            ///< sequence number at the last take_changes()
 };
 
 }  // namespace voxnav::occupancy

@@ -74,7 +74,20 @@ ContentBlock OctreeBlock::content(const geometry::Index3& index, const StateLeve
     });
   }
   out.observed_free = observed_free(levels);
+  leave_out_moving(levels, &out);
   return out;
+}
+
+/// Gives voxels in which something moves the state that they had before. Whether they are free now was not observed.
+void OctreeBlock::leave_out_moving(const StateLevels& levels, ContentBlock* content) const {
+  for (const NewVoxel& voxel : new_voxels.all()) {
+    if (!voxel.is_moving) continue;
+    content->states.set(voxel.offset, levels.of(voxel.level_before));
+    content->observed_free[voxel.offset >> 6] &= ~(std::uint64_t{1} << (voxel.offset & 63));
+    const auto is_it = [&](const OccupiedVoxel& occupied) { return occupied.offset == voxel.offset; };
+    auto& occupied = content->occupied;
+    occupied.erase(std::remove_if(occupied.begin(), occupied.end(), is_it), occupied.end());
+  }
 }
 
 /// Excludes voxels that were hit since the last handover even if the map holds them for free: there the misses of older

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "occupancy/log_odds.hpp"
+#include "occupancy/new_voxels.hpp"
 #include "occupancy/surface_leaves.hpp"
 #include "voxnav/occupancy/map_content.hpp"
 
@@ -24,6 +25,7 @@ class OctreeBlock {
 
   alignas(16) std::array<std::uint8_t, geometry::kBlockVolume> log_odds;
   SurfaceLeaves leaves;
+  NewVoxels new_voxels;
   VoxelBits seen{};              ///< voxels that were crossed by a ray, hit or set since the last handover
   std::uint64_t changed_at = 0;  ///< LocalMap::sequence() when a state last changed
 
@@ -53,10 +55,11 @@ class OctreeBlock {
   void mark_seen(int offset) { seen[offset >> 6] |= std::uint64_t{1} << (offset & 63); }
   /// Begins to collect observations for the next submap: everything seen before counts as remembered from here on.
   void begin_handover();
-  std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes(); }
+  std::size_t memory_bytes() const { return sizeof(*this) + leaves.heap_bytes() + new_voxels.heap_bytes(); }
 
  private:
   VoxelBits observed_free(const StateLevels& levels) const;
+  void leave_out_moving(const StateLevels& levels, ContentBlock* content) const;
   std::uint64_t free_bits(std::size_t word, const StateLevels& levels) const;
   std::uint64_t occupied_bits(std::size_t word, const StateLevels& levels) const;
   static constexpr int kNodes = 512 + 64 + 8 + 1;

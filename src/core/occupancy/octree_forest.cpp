@@ -18,6 +18,17 @@ bool OctreeForest::contains(const geometry::Vec3& point) const {
   return window.slot_of(geometry::block_of(geometry::index_of(point, resolution_m))) >= 0;
 }
 
+bool OctreeForest::has_surface_beside(const geometry::Index3& voxel) const {
+  for (int k = 0; k < 27; ++k) {
+    const geometry::Index3 beside = voxel + geometry::Index3{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+    const OctreeBlock* block = window.find(geometry::block_of(beside));
+    const int offset = geometry::offset_in_block(beside);
+    if (block != nullptr && block->log_odds[offset] > scale.prior && block->new_voxels.find(offset) == nullptr)
+      return true;
+  }
+  return false;
+}
+
 void OctreeForest::refresh(int slot) {
   OctreeBlock::Flags flags;
   OctreeBlock* block = window.at(slot);

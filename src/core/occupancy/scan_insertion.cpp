@@ -25,6 +25,7 @@ ScanInsertion::ScanInsertion(const LocalMapConfig& config)
     : config_(config),
       ends_(config.window_blocks()),
       parts_(static_cast<std::size_t>(config.num_threads)),
+      hits_of_new_(static_cast<std::size_t>(config.num_threads)),
       workers_(std::make_unique<base::WorkerPool>(config.num_threads)) {}
 
 void ScanInsertion::run(const SensorScan& scan, OctreeForest* forest, InsertStatistics* statistics) {
@@ -34,6 +35,7 @@ void ScanInsertion::run(const SensorScan& scan, OctreeForest* forest, InsertStat
   sort_ends(scan.points_L, frame);
   cast_rays(forest->to_window(scan.T_W_L.translation()), *forest);
   update_blocks(frame, guard_end_voxels(scan), forest, statistics);
+  collect_new_hits(forest);
 }
 
 /// How far behind hits a beam has to end to count against them: twice the noise of its range farther than another.
@@ -129,7 +131,8 @@ void ScanInsertion::prefetch(std::uint32_t block, const OctreeForest& forest) co
   if (const OctreeBlock* known = forest.window.at(static_cast<int>(box_.slot_of(block)))) known->prefetch();
 }
 
-BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest) const {
+BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest,
+                                        std::vector<HitOfNew>* hits_of_new) const {
   if (!marks_.is_crossed(block)) return {};
   BlockEvidence evidence;
   marks_.add_to(block, &evidence.passed);
@@ -140,8 +143,10 @@ BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight&
   evidence.hits_begin = ends_.hits().data() + hits.begin;
   evidence.hits_end = ends_.hits().data() + hits.end;
   evidence.scan_number = forest->recent_scans;
+  evidence.scan = forest->scans;
   OctreeBlock& known = forest->window.ensure(static_cast<int>(slot), forest->scale.prior);
-  const BlockUpdate update = occupancy::update_block(&known, evidence, sight, forest->scale, forest->levels);
+  const UpdateRules rules{sight, forest->scale, forest->levels};
+  const BlockUpdate update = occupancy::update_block(&known, evidence, rules, hits_of_new);
   if (update.any_state_changed) known.changed_at = forest->sequence;
   return update;
 }
@@ -156,11 +161,13 @@ void ScanInsertion::update_blocks(const ScanFrame& frame, float end_voxels, Octr
   base::SharedItems blocks(box_.num_blocks(), kBlocksAtOnce);
   workers_->run([&](int worker) {
     BlockUpdate sum;
+    std::vector<HitOfNew>& hits_of_new = hits_of_new_[static_cast<std::size_t>(worker)];
+    hits_of_new.clear();
     for (base::Share share; blocks.next(&share);) {
       for (std::size_t i = share.begin; i < share.end; ++i) {
         if (i + 1 < share.end)
           prefetch(static_cast<std::uint32_t>(i + 1), *forest);  // in this share only: other threads create blocks
-        sum += update_block(static_cast<std::uint32_t>(i), sight, forest);
+        sum += update_block(static_cast<std::uint32_t>(i), sight, forest, &hits_of_new);
       }
     }
     updates[static_cast<std::size_t>(worker)] = sum;
@@ -173,9 +180,32 @@ void ScanInsertion::update_blocks(const ScanFrame& frame, float end_voxels, Octr
   }
 }
 
+/// Threads take blocks as they come, so the hits are sorted: the result must not depend on them.
+void ScanInsertion::collect_new_hits(OctreeForest* forest) {
+  new_hits_.clear();
+  for (const std::vector<HitOfNew>& hits : hits_of_new_) {
+    for (const HitOfNew& found : hits) {
+      const HitVoxel& hit = *found.hit;
+      const geometry::Index3 voxel =
+          geometry::voxel_at(forest->window.block_at(static_cast<int>(hit.slot)), hit.offset);
+      const geometry::Vec3 at =
+          geometry::center_of(voxel, forest->resolution_m) + hit.points.mean.cast<double>() * forest->resolution_m;
+      bool is_clear = found.is_clear;
+      if (found.is_first) {
+        NewVoxel* own = forest->window.at(static_cast<int>(hit.slot))->new_voxels.find(hit.offset);
+        is_clear = own->is_clear = own->level_before < forest->scale.miss && !forest->has_surface_beside(voxel);
+      }
+      new_hits_.push_back({voxel, at.cast<float>(), hit.num_points, found.is_first, is_clear, found.state});
+    }
+  }
+  std::sort(new_hits_.begin(), new_hits_.end(), [](const NewHit& a, const NewHit& b) { return a.voxel < b.voxel; });
+}
+
 std::size_t ScanInsertion::memory_bytes() const {
   std::size_t bytes = ends_.memory_bytes() + beams_.memory_bytes() + marks_.memory_bytes();
   for (const ScanPart& part : parts_) bytes += part.memory_bytes();
+  for (const std::vector<HitOfNew>& hits : hits_of_new_) bytes += hits.capacity() * sizeof(HitOfNew);
+  bytes += new_hits_.capacity() * sizeof(NewHit);
   return bytes + no_return_ends_.capacity() * sizeof(geometry::Vec3f);
 }
 

@@ -12,6 +12,7 @@
 #include "occupancy/ray_marks.hpp"
 #include "occupancy/scan_part.hpp"
 #include "voxnav/occupancy/local_map.hpp"
+#include "voxnav/occupancy/new_hit.hpp"
 
 namespace voxnav::occupancy {
 
@@ -31,6 +32,8 @@ class ScanInsertion {
 
   /// Inserts a scan and adds its counts of points and voxels to `statistics`.
   void run(const SensorScan& scan, OctreeForest* forest, InsertStatistics* statistics);
+  /// The hits of the newest scan in voxels that were believed to be free before, sorted by voxel.
+  const std::vector<NewHit>& new_hits() const { return new_hits_; }
   std::size_t memory_bytes() const;
 
  private:
@@ -42,7 +45,9 @@ class ScanInsertion {
   void cast_rays(const geometry::Vec3& origin, const OctreeForest& forest);
   void update_blocks(const ScanFrame& frame, float end_voxels, OctreeForest* forest, InsertStatistics* statistics);
   void prefetch(std::uint32_t block, const OctreeForest& forest) const;
-  BlockUpdate update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest) const;
+  BlockUpdate update_block(std::uint32_t block, const SurfaceSight& sight, OctreeForest* forest,
+                           std::vector<HitOfNew>* hits_of_new) const;
+  void collect_new_hits(OctreeForest* forest);
 
   LocalMapConfig config_;
   EndVoxels ends_;
@@ -51,6 +56,8 @@ class ScanInsertion {
   BeamImage beams_;
   ScanBox box_;
   RayMarks marks_;
+  std::vector<std::vector<HitOfNew>> hits_of_new_;  ///< one for each thread
+  std::vector<NewHit> new_hits_;
   std::unique_ptr<base::WorkerPool> workers_;
 };
 

@@ -56,6 +56,7 @@ struct Mapper::Impl {
 
   MapperConfig config;
   occupancy::LocalMap map;
+  occupancy::MovingThings moving;
   SubmapScheduler scheduler;
   LoadControl load;
   PoseLocator own_locator;
@@ -73,6 +74,7 @@ struct Mapper::Impl {
 Mapper::Impl::Impl(const MapperConfig& mapper_config, const Pose& T_B_L, const SweepLocator* other_locator)
     : config(base::checked(mapper_config)),
       map(config.map),
+      moving(config.moving),
       scheduler(config.submap, config.first_submap_id),
       load(config.load),
       settler{other_locator ? other_locator : &own_locator, config.use_deskew},
@@ -173,6 +175,7 @@ void Mapper::Impl::clear(const std::string& text, MapperStep* step) {
 std::vector<Handover> Mapper::Impl::clear(const std::string& reason) {
   std::vector<Handover> out = scheduler.finish(&map, reason);
   map.clear();
+  moving.clear();
   last_body.reset();
   mapped.reset();
   return out;
@@ -189,6 +192,7 @@ void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperSt
   step->statistics =
       map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams),
                  {sensor.max_range_m, sensor.no_return_range_m, sensor.range_noise_m});
+  moving.update(&map, sweep->stamp_ns, poses.T_O_B.translation());
   if (config.vehicle_radius_m > 0.0) map.mark_free(poses.T_O_B.translation(), config.vehicle_radius_m);
   step->T_O_B = poses.T_O_B;
   mapped_any = true;
@@ -276,6 +280,8 @@ int Mapper::decimation() const { return impl_->load.decimation(); }
 occupancy::LocalMap& Mapper::map() { return impl_->map; }
 
 const occupancy::LocalMap& Mapper::map() const { return impl_->map; }
+
+const occupancy::MovingThings& Mapper::moving() const { return impl_->moving; }
 
 std::optional<base::StampNs> Mapper::newest_stamp_ns() const { return impl_->clock.newest_ns(); }
 

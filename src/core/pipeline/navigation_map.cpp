@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/pipeline/navigation_map.hpp"
 
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "pipeline/navigation_view.hpp"
 
@@ -58,6 +60,18 @@ NavigationMap::Applied NavigationMap::apply_obstacles(const containers::GridUpda
   return obstacles_.apply(update, sequence, resolution_m);
 }
 
+void NavigationMap::set_sightings(const SweepSightings& sightings) {
+  if (!(sightings.resolution_m > 0.0)) throw std::invalid_argument("the resolution of sightings is not positive");
+  for (const containers::MovingThing& thing : sightings.things) {
+    const bool is_finite = thing.position.allFinite() && thing.velocity.allFinite() && thing.half_size_m.allFinite() &&
+                           std::isfinite(thing.position_sigma_m) && std::isfinite(thing.velocity_sigma_mps);
+    if (!is_finite) throw std::invalid_argument("a moving thing is not finite");
+  }
+  auto placed = std::make_shared<const PlacedSightings>(config_, sightings);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sightings_ = std::move(placed);
+}
+
 void NavigationMap::set_T_W_O(const geometry::Pose& T_W_O) {
   if (!geometry::is_valid(T_W_O)) throw std::invalid_argument("T_W_O is not a rigid transform");
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -86,6 +100,7 @@ void NavigationMap::set_altitudes(double min_m, double max_m) {
 void NavigationMap::clear_local() {
   const std::lock_guard<std::mutex> lock(mutex_);
   local_ = Layer{};
+  sightings_ = nullptr;
 }
 
 void NavigationMap::clear_obstacles() {
@@ -108,8 +123,9 @@ std::shared_ptr<const planning::OccupancyView> NavigationMap::view() const {
     const planning::FenceMargins margins{config_.area_margin_m, config_.zone_distance_m};
     raster_ = std::make_shared<planning::FenceRaster>(fences_O_, margins, resolution_m);
   }
-  return std::make_shared<NavigationView>(config_,
-                                          NavigationView::Content{local_.grid, placed_, raster_, *T_W_O_, *vehicle_O_});
+  NavigationView::Content content{local_.grid, placed_, raster_, sightings_, *T_W_O_, *vehicle_O_};
+  if (sightings_ != nullptr && sightings_->resolution_m() != resolution_m) content.sightings = nullptr;
+  return std::make_shared<NavigationView>(config_, std::move(content));
 }
 
 NavigationMap::~NavigationMap() = default;

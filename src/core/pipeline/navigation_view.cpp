@@ -61,6 +61,7 @@ bool NavigationView::is_in_footprint(const Index3& voxel) const {
 }
 
 VoxelState NavigationView::state(const Index3& voxel) const {
+  if (content_.sightings != nullptr && content_.sightings->is_hit(voxel)) return VoxelState::kOccupied;
   const VoxelState known = content_.local->state(voxel);
   return known == VoxelState::kUnknown && is_in_footprint(voxel) ? VoxelState::kFree : known;
 }
@@ -73,8 +74,12 @@ geometry::Aabb NavigationView::box_of(const Index3& block) const {
 
 const StateBlock* NavigationView::block(const Index3& block, StateBlock* scratch) const {
   const StateBlock* known = content_.local->find_block(block);
-  if (!box_of(block).intersects(footprint_)) return known;
+  const bool has_hits = content_.sightings != nullptr && content_.sightings->has_hits(block);
+  const bool has_footprint = box_of(block).intersects(footprint_);
+  if (!has_hits && !has_footprint) return known;
   *scratch = known != nullptr ? *known : StateBlock{};
+  if (has_hits) content_.sightings->add_hits(block, scratch);
+  if (!has_footprint) return scratch;
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     if (scratch->get(offset) == VoxelState::kUnknown && is_in_footprint(geometry::voxel_at(block, offset))) {
       scratch->set(offset, VoxelState::kFree);
@@ -107,6 +112,9 @@ std::vector<Index3> NavigationView::known_blocks() const {
   if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
   if (content_.fences != nullptr) content_.fences->add_edge_blocks(bounds_, &out);
   if (has_height_limits()) add_height_blocks(&out);
+  if (content_.sightings != nullptr) {
+    for (const geometry::Aabb& box : content_.sightings->boxes()) add_blocks(box, &out);
+  }
   if (content_.obstacles == nullptr) return out;
   for (const geometry::Aabb& box : content_.obstacles->block_boxes()) add_blocks(box, &out);
   return out;
@@ -187,7 +195,12 @@ bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* 
   const bool has_fences = content_.fences != nullptr && content_.fences->mask(block, hard);
   const bool has_obstacles = forbid_obstacles(block, config_.local_knows_better ? soft : hard);
   const bool has_heights = forbid_heights(block, hard);
-  return has_altitudes || has_fences || has_heights || has_obstacles;
+  const bool has_things = content_.sightings != nullptr && content_.sightings->forbid(block, hard);
+  return has_altitudes || has_fences || has_heights || has_obstacles || has_things;
+}
+
+const planning::Sightings* NavigationView::sightings() const {
+  return content_.sightings != nullptr ? &content_.sightings->sightings() : nullptr;
 }
 
 }  // namespace voxnav::pipeline

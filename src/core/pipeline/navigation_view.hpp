@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "pipeline/placed_obstacles.hpp"
+#include "pipeline/placed_sightings.hpp"
 #include "pipeline/terrain_map.hpp"
 #include "planning/fences/fence_raster.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
@@ -18,6 +19,7 @@ class NavigationView : public planning::OccupancyView {
     std::shared_ptr<const containers::StateGrid> local;   ///< frame O
     std::shared_ptr<const PlacedObstacles> obstacles;     ///< of the global map, may be null
     std::shared_ptr<const planning::FenceRaster> fences;  ///< may be null
+    std::shared_ptr<const PlacedSightings> sightings;     ///< of the newest sweep, may be null
     geometry::Pose T_W_O;
     geometry::Vec3 vehicle_O;
   };
@@ -30,6 +32,7 @@ class NavigationView : public planning::OccupancyView {
   std::vector<geometry::Index3> known_blocks() const override;
   bool forbidden(const geometry::Index3& block, planning::BlockMask* hard, planning::BlockMask* soft) const override;
   std::shared_ptr<const planning::Fences> fences() const override;
+  const planning::Sightings* sightings() const override;
 
  private:
   /// Takes the sides and the heights of the safety area into the limits.

@@ -10,7 +10,7 @@ import numpy as np
 from voxnav import simulation
 from voxnav.array_types import Array
 
-STEP_M, HEIGHT_M = 0.3, 2.0  # 3 m/s at 10 Hz, between the trunks
+SCAN_HZ, STEP_M, HEIGHT_M = 10.0, 0.3, 2.0  # 3 m/s, between the trunks
 # An OS0 as it is: a beam of 0.35 degrees, whose returns mix where surfaces follow each other closely.
 WIDE_BEAM: dict[str, Any] = {"footprint_rays": 12}
 GENUINE = 16  # labels below are surface classes

@@ -10,7 +10,7 @@ import numpy as np
 
 import voxnav
 from voxnav import simulation
-from voxnav.map_quality.flight import WIDE_BEAM, fly, path_through
+from voxnav.map_quality.flight import SCAN_HZ, WIDE_BEAM, fly, path_through
 from voxnav.map_quality.surface_cells import KeptShare, SurfaceCells
 
 RESOLUTIONS_M, MAX_RANGE_M = (0.2, 0.4), 26.0
@@ -31,13 +31,16 @@ def measure(seed: int, num_scans: int, sensor: dict[str, Any], world_config: dic
     """
     world = simulation.World(THICKET if world_config is None else world_config, seed=seed)
     maps = {r: voxnav.LocalMap(voxnav.LocalMapConfig(resolution_m=r, max_range_m=MAX_RANGE_M)) for r in RESOLUTIONS_M}
+    things = {r: voxnav.MovingThings() for r in RESOLUTIONS_M}  # as in flight; nothing moves here
     cells = {r: SurfaceCells(world, r, MAX_RANGE_M) for r in RESOLUTIONS_M}
-    for scan in fly(world, path_through(world, num_scans), seed, dict(WIDE_BEAM, ghost_ratio=0.0, **sensor)):
+    poses, fields = path_through(world, num_scans), dict(WIDE_BEAM, ghost_ratio=0.0, **sensor)
+    for i, scan in enumerate(fly(world, poses, seed, fields)):
         points_L = scan.points_L()
         if cloud_filter is not None:
             points_L = np.ascontiguousarray(cloud_filter.apply(scan.organised).points[:, :3])
         for r in RESOLUTIONS_M:
             maps[r].insert(points_L, scan.T_W_L)
+            things[r].update(maps[r], i / SCAN_HZ, scan.T_W_L[:3, 3])
             cells[r].add(scan)
     return {r: (cells[r].judge(maps[r]), _phantoms(world, maps[r], r)) for r in RESOLUTIONS_M}
 

@@ -38,6 +38,7 @@ def measure(seed: int, num_scans: int, sensor: dict[str, Any], filter_fields: di
     world = simulation.World(THIN, seed=seed)
     cloud_filter = voxnav.CloudFilter(voxnav.CloudFilterConfig(**filter_fields))
     local_map = voxnav.LocalMap(voxnav.LocalMapConfig(resolution_m=resolution_m, max_range_m=MAX_RANGE_M))
+    things = voxnav.MovingThings()  # as in flight; nothing moves here
     cells = SurfaceCells(world, resolution_m, MAX_RANGE_M)
     poses = np.repeat(path_through(world, -(-num_scans // SCANS_PER_STEP)), SCANS_PER_STEP, axis=0)[:num_scans]
     before: set[tuple[int, ...]] = set()
@@ -45,6 +46,7 @@ def measure(seed: int, num_scans: int, sensor: dict[str, Any], filter_fields: di
     for i, scan in enumerate(fly(world, poses, seed, dict(sensor, ghost_ratio=0.0))):
         points_L = np.ascontiguousarray(cloud_filter.apply(scan.organised).points[:, :3])
         local_map.insert(points_L, scan.T_W_L)
+        things.update(local_map, i / SCAN_HZ, scan.T_W_L[:3, 3])
         cells.add(scan)
         if i % CHECK_EVERY == CHECK_EVERY - 1:
             now = _false_obstacles(world, local_map, scan.T_W_L[:3, 3], resolution_m)

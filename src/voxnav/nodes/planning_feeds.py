@@ -76,6 +76,32 @@ class GridFeed:
                     self._take(msg)
 
 
+class LocalGridFeed(GridFeed):
+    """The GridFeed of the local map, with what its newest sweep showed beside the map."""
+
+    def __init__(self, topic, service, navigation_map, on_applied, timeout_s, seam):
+        super().__init__(topic, service, navigation_map.apply_local, on_applied, timeout_s, seam)
+        self._map = navigation_map
+
+    def _take(self, msg):
+        try:
+            self._map.set_sightings(stamp_s=msg.header.stamp.to_sec(), resolution_m=msg.resolution_m,
+                                    hits=np.array(msg.new_hits, dtype=np.int32).reshape(-1, 3),
+                                    returns=np.array(msg.new_hit_returns, dtype=np.int32),
+                                    things=np.array([_row(thing) for thing in msg.moving_things]).reshape(-1, 12))
+        except ValueError as error:
+            self.num_refused += 1
+            rospy.logerr_throttle(1.0, "sightings refused: %s", error)
+        return super()._take(msg)
+
+
+def _row(thing):
+    """Returns the numbers of a MovingThing as NavigationMap.set_sightings takes them."""
+    p, v, h = thing.position, thing.velocity, thing.half_size_m
+    return [float(thing.id), p.x, p.y, p.z, v.x, v.y, v.z, h.x, h.y, h.z, thing.position_sigma_m,
+            thing.velocity_sigma_mps]
+
+
 class WaitingGridFeed(GridFeed):
     """A GridFeed whose updates are delivered by the time seam."""
 

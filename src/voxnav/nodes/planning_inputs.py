@@ -13,7 +13,7 @@ from nav_msgs.msg import Odometry
 
 from voxnav import files
 from voxnav.msg import SubmapPoses
-from voxnav.nodes.planning_feeds import GridFeed, Heartbeats, WaitingGridFeed
+from voxnav.nodes.planning_feeds import Heartbeats, LocalGridFeed, WaitingGridFeed
 from voxnav.planning_manager.inputs import Control, TrackerState, problem_of_limits
 
 IDENTITY = Transform(rotation=Quaternion(w=1.0))
@@ -68,8 +68,7 @@ class PlanningInputs:
         self._heartbeats = Heartbeats(config.required_nodes, config.heartbeat_timeout_s, seam)
         timeout_s = config.service_timeout_s
         seam.wait_for(self._is_caught_up)
-        self.local = GridFeed("~local_map_in", "~get_map_out", navigation_map.apply_local, self._on_map, timeout_s,
-                              seam)
+        self.local = LocalGridFeed("~local_map_in", "~get_map_out", navigation_map, self._on_map, timeout_s, seam)
         self.obstacles = WaitingGridFeed("~obstacles_in", "~get_obstacles_out", navigation_map.apply_obstacles,
                                          lambda stamp_s: None, timeout_s, seam)
         rospy.Subscriber("~odometry_in", Odometry, self._on_odometry, queue_size=1)

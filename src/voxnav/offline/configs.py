@@ -22,6 +22,7 @@ SECTIONS: Dict[str, Any] = {
     "odometry": voxnav.LidarOdometryConfig,
     "mapper": voxnav.MapperConfig,
     "map": voxnav.LocalMapConfig,
+    "moving": voxnav.MovingThingsConfig,
     "schedule": voxnav.SubmapSchedulerConfig,
     "submap": voxnav.SubmapConfig,
     "collection": voxnav.SubmapCollectionConfig,

@@ -92,7 +92,7 @@ class OfflineMapper:
 
     def _mapper_config(self, configs: dict[str, Any]) -> voxnav.MapperConfig:
         out: voxnav.MapperConfig = configs["mapper"]
-        out.map, out.submap = configs["map"], configs["schedule"]
+        out.map, out.moving, out.submap = configs["map"], configs["moving"], configs["schedule"]
         out.odometry = configs["odometry"] if self._uses_odometry else None
         out.sensors = [sensor.limits for sensor in self.sensors]
         return out

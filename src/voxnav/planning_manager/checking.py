@@ -89,7 +89,8 @@ def check_stop(state: State, stopping: OwnHover, facts: Facts) -> Step:
     stop, view = best_stop(None, facts), facts.look()
     if stop is None or stop.means is stopping.means:
         return state, ()
-    if not stop.danger < danger_in_steps(way_ahead(facts), view, facts.config.min_corridor_radius_m):
+    now = danger_in_steps(way_ahead(facts), view, facts.config.min_corridor_radius_m, facts.now_s)
+    if not stop.danger < now:
         return state, ()
     second, hover = asked_for(stop, stopping.because, facts)
     return replace(state, hover=replace(second, is_second_choice=True)), (hover,)

@@ -92,7 +92,8 @@ def publish(state: Active, job: Publishing) -> Step:
 
 
 def safe_part_of(trajectory: Trajectory, from_arc_m: float, radius_m: float, view: Any, facts: Facts) -> SafePart:
-    return safe_part(facts.config, view, trajectory, from_arc_m, radius_m, facts.vehicle.velocity_O, facts.limits)
+    return safe_part(facts.config, view, trajectory, from_arc_m, radius_m, facts.vehicle.velocity_O, facts.limits,
+                     facts.now_s)
 
 
 def _late(state: State, problem: str, facts: Facts) -> Step:

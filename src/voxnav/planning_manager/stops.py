@@ -71,20 +71,21 @@ def _stops(flight: Optional[Flight], view: Any, facts: Facts) -> Iterator[Stop]:
     Each is checked with the reaction time before it, but a trajectory for the tracker brakes at once.
     """
     radius_m, reaction_s = facts.config.min_corridor_radius_m, facts.config.reaction_time_s
-    yield Stop(Means.HOVER, None, danger_in_steps(straight_way(facts), view, radius_m))
+    now_s = facts.now_s
+    yield Stop(Means.HOVER, None, danger_in_steps(straight_way(facts), view, radius_m, now_s))
     if not facts.is_in_motion:
         return
     if flight is not None:
-        danger = danger_in_steps(following_way(facts, flight, reaction_s), view, radius_m)
+        danger = danger_in_steps(following_way(facts, flight, reaction_s), view, radius_m, now_s)
         yield Stop(Means.FOLLOW, following_way(facts, flight, 0.0), danger)
     for height_m in CLIMBS_M:
-        danger = danger_in_steps(climbing_way(facts, height_m, reaction_s), view, radius_m)
+        danger = danger_in_steps(climbing_way(facts, height_m, reaction_s), view, radius_m, now_s)
         yield Stop(Means.CLIMB, climbing_way(facts, height_m, 0.0), danger)
 
 
-def danger_in_steps(way: Trajectory, view: Any, radius_m: float) -> Tuple[float, float]:
+def danger_in_steps(way: Trajectory, view: Any, radius_m: float, now_s: float) -> Tuple[float, float]:
     """Returns the speeds at which a way enters occupied and unknown space, in steps of SAME_SPEED_MPS."""
-    occupied, unknown = danger_of(way, view, radius_m)
+    occupied, unknown = danger_of(way, view, radius_m, now_s)
     return _in_steps(occupied), _in_steps(unknown)
 
 

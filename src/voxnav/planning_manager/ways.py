@@ -9,7 +9,7 @@ from typing import Any, Tuple
 
 import numpy as np
 
-from voxnav._core import Trajectory, check_corridor
+from voxnav._core import Trajectory, check_corridor, first_meeting
 from voxnav.array_types import Array
 from voxnav.planning_manager.facts import Facts
 from voxnav.planning_manager.states import Flight
@@ -110,16 +110,19 @@ def way_ahead(facts: Facts) -> Trajectory:
     return Trajectory(np.vstack([facts.vehicle.position_O, ahead]), max(step_s, 1e-3))
 
 
-def danger_of(way: Trajectory, view: Any, radius_m: float) -> Tuple[float, float]:
+def danger_of(way: Trajectory, view: Any, radius_m: float, now_s: float) -> Tuple[float, float]:
     """Returns the speeds [m/s] at which the way enters occupied and unknown space; zero where it does not.
 
-    view: voxnav.OccupancyView
+    A place where something that moves may be met counts as occupied. view: voxnav.OccupancyView
     """
+    meeting = first_meeting(view, way, now_s, radius_m)
+    met_mps = 0.0 if meeting is None else _speed_at(way, meeting[0])
     seen = check_corridor(view, way.points, radius_m)
     if seen.safe:
-        return 0.0, 0.0
+        return met_mps, 0.0
     occupied = check_corridor(view, way.points, radius_m, allow_unknown=True)
-    return (0.0 if occupied.safe else _speed_at(way, occupied.first_unsafe_m)), _speed_at(way, seen.first_unsafe_m)
+    occupied_mps = 0.0 if occupied.safe else _speed_at(way, occupied.first_unsafe_m)
+    return max(met_mps, occupied_mps), _speed_at(way, seen.first_unsafe_m)
 
 
 def _speed_at(way: Trajectory, arc_m: float) -> float:

@@ -47,3 +47,25 @@ TEST(GridConversions, ListsOfWrongLengthAreRefusedByTheGrid) {
   containers::StateGrid grid(0.4);
   EXPECT_ANY_THROW(containers::apply(back, &grid));
 }
+
+TEST(GridConversions, SightingsAreHitsThatAreStillFreeAndWhatMoves) {
+  voxnav::occupancy::NewHit hit;
+  hit.voxel = {1, -2, 3};
+  hit.num_points = 7;
+  voxnav::occupancy::NewHit known = hit;
+  known.state = containers::VoxelState::kOccupied;
+  containers::MovingThing thing;
+  thing.id = 5;
+  thing.position = {1.0, 2.0, 3.0};
+  thing.velocity = {0.5, -1.0, 0.0};
+  thing.velocity_sigma_mps = 0.25;
+  msg::GridUpdate msg;
+  add_sightings({hit, known}, {thing}, &msg);
+  EXPECT_EQ(msg.new_hits, (std::vector<std::int32_t>{1, -2, 3}));
+  EXPECT_EQ(msg.new_hit_returns, (std::vector<std::uint16_t>{7}));
+  ASSERT_EQ(msg.moving_things.size(), 1u);
+  EXPECT_EQ(msg.moving_things[0].id, 5u);
+  EXPECT_EQ(msg.moving_things[0].position.z, 3.0);
+  EXPECT_EQ(msg.moving_things[0].velocity.y, -1.0);
+  EXPECT_EQ(msg.moving_things[0].velocity_sigma_mps, 0.25);
+}
