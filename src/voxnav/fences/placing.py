@@ -17,7 +17,7 @@ from voxnav.fences.world_config import WorldOrigin
 
 WORLD = "world_origin"
 # Fences whose corners have moved by less than this are left where they are.
-MOVED_M = 0.05
+MOVED_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)

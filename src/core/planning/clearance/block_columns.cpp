@@ -45,6 +45,10 @@ void columns_of(const StateBlock& states, BlockColumns* occupied, BlockColumns* 
 BlockColumns columns_of(const BlockMask& mask) {
   BlockColumns out{};
   if (mask.none()) return out;
+  if (mask.all()) {
+    out.fill(kWholeColumn);
+    return out;
+  }
   for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
     if (mask[offset])
       out[offset % kColumns] = static_cast<std::uint16_t>(out[offset % kColumns] | 1u << (offset / kColumns));

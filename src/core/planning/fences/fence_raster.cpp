@@ -11,8 +11,9 @@ namespace {
 using geometry::Index3;
 
 constexpr int kSide = geometry::kBlockSide;
-/// No more columns of blocks are kept than this; they are computed again when they are asked for.
+/// No more columns of blocks, and masks of blocks, are kept than this; all are computed again when they are asked for.
 constexpr std::size_t kMaxCovers = 1 << 18;
+constexpr std::size_t kMaxMasks = 1 << 15;
 /// Rounding must not make a voxel enterable that just touches a fence.
 constexpr double kTolerance_m = 1e-9;
 
@@ -93,13 +94,14 @@ void FenceRaster::add_zone(const Prism& zone, int x, int y, Cover* cover) const 
 std::unique_ptr<FenceRaster::Cover> FenceRaster::make_cover(int x, int y) const {
   auto out = std::make_unique<Cover>();
   if (fences_->area()) out->outside = outside_area(*fences_->area(), x, y);
-  if (!out->outside.all()) {
+  out->is_all_outside = out->outside.all();
+  if (!out->is_all_outside) {
     for (const Prism& zone : fences_->zones()) add_zone(zone, x, y, out.get());
   }
   return out->outside.any() || !out->zones.empty() ? std::move(out) : nullptr;
 }
 
-const FenceRaster::Cover* FenceRaster::cover(int x, int y) const {
+FenceRaster::Cover* FenceRaster::cover(int x, int y) const {
   if (covers_.size() > kMaxCovers) covers_.clear();
   const auto [it, is_new] = covers_.try_emplace(Index3{x, y, 0}, nullptr);
   if (is_new) it->second = make_cover(x, y);
@@ -108,9 +110,22 @@ const FenceRaster::Cover* FenceRaster::cover(int x, int y) const {
 
 bool FenceRaster::mask(const Index3& block, BlockMask* hard) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (share(block.x, block.y, block.z) == Share::kNone) return false;
-  const Cover& there = *cover(block.x, block.y);
-  const int lowest = block.z * kSide;
+  const Share here = share(block.x, block.y, block.z);
+  if (here == Share::kNone) return false;
+  if (here == Share::kAll) {
+    hard->set();
+    return true;
+  }
+  if (masks_.size() > kMaxMasks) masks_.clear();
+  const auto [it, is_new] = masks_.try_emplace(block, nullptr);
+  if (is_new) it->second = make_mask(*cover(block.x, block.y), block.z);
+  *hard |= *it->second;
+  return true;
+}
+
+std::unique_ptr<BlockMask> FenceRaster::make_mask(const Cover& there, int z) const {
+  auto out = std::make_unique<BlockMask>();
+  const int lowest = z * kSide;
   for (int column = 0; column < kColumns; ++column) {
     std::uint32_t bits = there.outside[static_cast<std::size_t>(column)] ? kWholeColumn : 0u;
     for (const ZoneBands& zone : there.zones) {
@@ -118,15 +133,15 @@ bool FenceRaster::mask(const Index3& block, BlockMask* hard) const {
       const int low = std::max(0, band.low - lowest), high = std::min(kSide - 1, band.high - lowest);
       if (low <= high) bits |= ((2u << high) - 1u) & ~((1u << low) - 1u);
     }
-    for (; bits != 0; bits &= bits - 1) hard->set(static_cast<std::size_t>(__builtin_ctz(bits) * kColumns + column));
+    for (; bits != 0; bits &= bits - 1) out->set(static_cast<std::size_t>(__builtin_ctz(bits) * kColumns + column));
   }
-  return true;
+  return out;
 }
 
 FenceRaster::Share FenceRaster::share(int x, int y, int z) const {
   const Cover* there = cover(x, y);
   if (there == nullptr) return Share::kNone;
-  if (there->outside.all()) return Share::kAll;
+  if (there->is_all_outside) return Share::kAll;
   const int low = z * kSide, high = low + kSide - 1;
   bool is_some = there->outside.any();
   for (const ZoneBands& zone : there->zones) {
@@ -149,6 +164,19 @@ bool FenceRaster::is_at_edge(int x, int y, int z) const {
   return false;
 }
 
+bool FenceRaster::is_deep_outside(int x, int y) const {
+  const auto is_outside = [this](int i, int j) {
+    const Cover* there = cover(i, j);
+    return there != nullptr && there->is_all_outside;
+  };
+  if (!is_outside(x, y)) return false;
+  if (cover(x, y)->is_deep) return *cover(x, y)->is_deep;
+  bool is_deep = true;
+  for (int i = 0; i < 9; ++i) is_deep = is_deep && is_outside(x + i % 3 - 1, y + i / 3 - 1);
+  cover(x, y)->is_deep = is_deep;
+  return is_deep;
+}
+
 void FenceRaster::add_edge_blocks(const geometry::Aabb& box, std::vector<Index3>* out) const {
   if (box.empty()) return;
   const double side = kSide * resolution_m_;
@@ -156,7 +184,7 @@ void FenceRaster::add_edge_blocks(const geometry::Aabb& box, std::vector<Index3>
   const std::lock_guard<std::mutex> lock(mutex_);
   for (int y = low.y; y <= high.y; ++y) {
     for (int x = low.x; x <= high.x; ++x) {
-      if (cover(x, y) == nullptr) continue;
+      if (cover(x, y) == nullptr || is_deep_outside(x, y)) continue;
       for (int z = low.z; z <= high.z; ++z) {
         if (is_at_edge(x, y, z)) out->push_back({x, y, z});
       }

@@ -4,6 +4,7 @@
 #include <bitset>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <unordered_map>
 
 #include "planning/clearance/block_columns.hpp"
@@ -20,7 +21,8 @@ struct FenceMargins {
 
 /// The voxels of a grid that paths may not enter because of fences. A voxel may be entered only if the whole of its
 /// cube keeps the margins, so that every line through voxels that may be entered keeps them as well. The heights of the
-/// area are left to limits of altitude. Each column of blocks is computed when it is first asked for. Thread-safe.
+/// area are left to limits of altitude. Each block is computed when it is first asked for, and kept, since the planner
+/// compares all blocks each time it plans. Thread-safe.
 class FenceRaster {
  public:
   /// @param fences  not null
@@ -53,24 +55,30 @@ class FenceRaster {
   /// What is fenced in a column of blocks.
   struct Cover {
     std::bitset<kColumns> outside;  ///< columns of voxels that are not inside the area
+    bool is_all_outside = false;
+    std::optional<bool> is_deep;  ///< all columns of blocks around it are outside as well; known when first asked for
     std::vector<ZoneBands> zones;
   };
   enum class Share { kNone, kSome, kAll };
 
   /// The cover of a column of blocks, null if nothing is fenced there. The lock must be held.
-  const Cover* cover(int x, int y) const;
+  Cover* cover(int x, int y) const;
   std::unique_ptr<Cover> make_cover(int x, int y) const;
   Rectangle square(int x, int y, int side) const;
   std::bitset<kColumns> outside_area(const Prism& area, int x, int y) const;
   void add_zone(const Prism& zone, int x, int y, Cover* cover) const;
   Share share(int x, int y, int z) const;
   bool is_at_edge(int x, int y, int z) const;
+  bool is_deep_outside(int x, int y) const;
+  /// The mask of a block of which some voxels are fenced.
+  std::unique_ptr<BlockMask> make_mask(const Cover& there, int z) const;
 
   std::shared_ptr<const Fences> fences_;
   FenceMargins margins_;
   double resolution_m_;
   mutable std::mutex mutex_;
   mutable std::unordered_map<geometry::Index3, std::unique_ptr<Cover>, geometry::Index3Hash> covers_;
+  mutable std::unordered_map<geometry::Index3, std::unique_ptr<BlockMask>, geometry::Index3Hash> masks_;
 };
 
 }  // namespace voxnav::planning
