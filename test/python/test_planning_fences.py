@@ -181,3 +181,13 @@ def test_somebody_who_flies_out_of_the_area_is_told():
     flight.fly(4.0, lambda f: reason(f) is Reason.OTHERS_UNSAFE)
     assert "outside the safety area" in flight.manager.status.reason
     assert flight.count("hover") == 0
+
+
+@pytest.mark.parametrize("goal", [(12.0, 4.9, 0.0), (12.0, -4.7, 0.0), (12.0, 0.0, 3.9)])
+def test_a_goal_at_the_edge_of_the_area_is_flown_to_as_near_as_planned_paths_go(goal):
+    flight, fences = fenced(area=box(-3.0, -5.0, 28.0, 5.0, -3.0, 4.0))
+    assert flight.manager.set_goal(goal, None, flight.now) == ""
+    assert flight.fly(60.0, lambda f: f.manager.status.goal_W is None)
+    assert reason(flight) in (Reason.REACHED, Reason.GOAL_BLOCKED)
+    assert np.linalg.norm(flight.position - goal) < 1.3
+    assert not violations(flight, fences)

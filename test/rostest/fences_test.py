@@ -42,7 +42,7 @@ class FencesTest(unittest.TestCase):
         self.clear_zones = rospy.ServiceProxy("planning_manager/clear_zones", Trigger)
         self.return_home = rospy.ServiceProxy("planning_manager/return_home", Trigger)
         self.battery = rospy.Publisher("hw_api/battery_state", BatteryState, queue_size=1)
-        self.charge = 1.0
+        self.charge = 0.06
         self.timer = rospy.Timer(rospy.Duration(0.5), lambda _: self.battery.publish(percentage=self.charge))
         self.markers = []
         rospy.Subscriber("planning_manager/fence_markers", MarkerArray, lambda msg: self.markers.append(msg.markers))
@@ -84,7 +84,6 @@ class FencesTest(unittest.TestCase):
         self.wait(lambda: any(marker.ns == "zone pond" and marker.type == Marker.LINE_LIST
                               for marker in self.markers[-1]), "the marker of the zone")
         self.assertTrue(self.clear_zones().success)
-        self.charge = 0.06
         self.wait(lambda: "the battery holds 60 s, of which 60 s are reserve" in self.goal((30.0, 8.0, 2.0)).message,
                   "the refusal because of the battery")
         self.assertFalse(self.recorder.status.has_goal)
@@ -105,7 +104,7 @@ class FencesTest(unittest.TestCase):
         self.assertGreater(status.way_home_s, status.way_home_m / 8.0)
         answer = self.return_home()
         self.assertTrue(answer.success, answer.message)
-        self.wait(lambda: self.recorder.status.has_goal, "the way home in the status")
+        self.wait(lambda: self.recorder.status.has_goal, "the planner to take the start as its goal")
         self.arrive()
         self.assertLess(np.linalg.norm(self.place()[:2]), 2.0)
         for place in self.places():

@@ -9,10 +9,10 @@ namespace voxnav::pipeline {
 namespace {
 
 using containers::StateBlock;
-using containers::VoxelState;
 using geometry::Index3;
 
 constexpr int kSide = geometry::kBlockSide;
+constexpr std::uint64_t kLowBits = 0x5555555555555555ull;
 constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max();
 
 }  // namespace
@@ -44,11 +44,13 @@ void TerrainMap::read(const containers::StateGrid& grid, const geometry::Vec3& v
   heights_.assign(static_cast<std::size_t>(width_) * depth_, kUnknown);
   for (const Index3& block : near) {
     const StateBlock& states = *grid.find_block(block);
-    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-      if (states.get(offset) != VoxelState::kOccupied) continue;
-      const Index3 voxel = geometry::voxel_at(block, offset);
-      std::int32_t& lowest = heights_[static_cast<std::size_t>(voxel.y - low_.y) * width_ + (voxel.x - low_.x)];
-      lowest = std::min(lowest, voxel.z);
+    for (int word = 0; word < static_cast<int>(states.words.size()); ++word) {
+      // The higher bit of the two of a voxel is set if it is occupied.
+      for (std::uint64_t bits = (states.words[word] >> 1) & kLowBits; bits != 0; bits &= bits - 1) {
+        const Index3 voxel = geometry::voxel_at(block, word * 32 + __builtin_ctzll(bits) / 2);
+        std::int32_t& lowest = heights_[static_cast<std::size_t>(voxel.y - low_.y) * width_ + (voxel.x - low_.x)];
+        lowest = std::min(lowest, voxel.z);
+      }
     }
   }
 }

@@ -31,6 +31,11 @@ class PlanningHome:
         """Returns the voxnav.homing.HomeState."""
         return self._keeper.state
 
+    @property
+    def way_W(self):
+        """Returns the way from the vehicle to the start, (k, 3); None if it is not known."""
+        return self._keeper.way_W
+
     def update(self, now_s):
         """Keeps the way home; to be called by the main loop."""
         self._keeper.update(self._inputs(), self._look, now_s)

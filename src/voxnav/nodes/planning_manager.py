@@ -111,7 +111,8 @@ class PlanningManagerNode:
         T, p = inputs.T_W_O, inputs.position_O
         position_W = None if T is None or p is None else T[:3, :3].dot(p) + T[:3, 3]
         waypoints = self._waypoints if status.goal_W is not None else path[:0]
-        self._output.publish(self._seam.now(), status, self._home.state, inputs, path, waypoints, position_W)
+        self._output.publish(self._seam.now(), status, self._home.state, self._home.way_W, inputs, path,
+                             waypoints, position_W)
         self._keep_goal(status.goal_W)
         self._report(status)
 

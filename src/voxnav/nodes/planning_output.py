@@ -42,8 +42,11 @@ class PlanningOutput:
         self._display = rospy.Publisher("~display_string_out", String, queue_size=2)
         self._markers = rospy.Publisher("~path_markers_out", MarkerArray, queue_size=2, latch=True)
 
-    def publish(self, stamp, status, home, inputs, path_O, waypoints_O, position_W):
-        """Publishes a status of voxnav.planning_manager, a HomeState, and paths, (k, 3) in frame O."""
+    def publish(self, stamp, status, home, way_home_W, inputs, path_O, waypoints_O, position_W):
+        """Publishes a status of voxnav.planning_manager, the way home, and paths.
+
+        home: a HomeState; way_home_W: (k, 3), None if it is not known; path_O, waypoints_O: (k, 3)
+        """
         self._publish_status(status, home, inputs, stamp, position_W, waypoints_O)
         flags = "-id planning_manager -p " + STATE_COLOURS[status.state]
         line = "%s: %s" % (STATE_NAMES[status.state], status.reason)
@@ -55,6 +58,8 @@ class PlanningOutput:
         self._markers.publish(MarkerArray(markers=[
             marker(O, stamp, "trajectory", Marker.LINE_STRIP, (0.1, 0.9, 0.2, 1.0), 0.12, points_of(path_O)),
             marker(O, stamp, "plan", Marker.LINE_STRIP, (1.0, 0.8, 0.1, 0.8), 0.06, points_of(waypoints_O)),
+            marker(W, stamp, "way_home", Marker.LINE_STRIP, (0.4, 0.6, 1.0, 0.6), 0.05,
+                   () if way_home_W is None else points_of(way_home_W)),
             marker(W, stamp, "goal", Marker.SPHERE, (0.9, 0.2, 0.2, 0.9), 0.8,
                    () if goal is None else points_of(np.array([goal]))),
         ]))
