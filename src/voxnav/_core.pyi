@@ -750,14 +750,19 @@ class NavigationMapConfig:
     footprint_radius_m: float
     footprint_half_height_m: float
     local_knows_better: bool
+    use_new_hits: bool
+    moving_horizon_s: float
+    moving_growth_mps: float
+    moving_clearance_m: float
     area_margin_m: float
     zone_distance_m: float
     def __init__(
         self, *,
         min_altitude_m: float = ..., max_altitude_m: float = ..., min_height_m: float = ...,
         max_height_m: float = ..., range_m: float = ..., footprint_radius_m: float = ...,
-        footprint_half_height_m: float = ..., local_knows_better: bool = ..., area_margin_m: float = ...,
-        zone_distance_m: float = ...
+        footprint_half_height_m: float = ..., local_knows_better: bool = ..., use_new_hits: bool = ...,
+        moving_horizon_s: float = ..., moving_growth_mps: float = ..., moving_clearance_m: float = ...,
+        area_margin_m: float = ..., zone_distance_m: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> NavigationMapConfig: ...
@@ -1655,8 +1660,9 @@ def deskew(points_L: Array, time_offsets_ns: Array, T_O_L_start: Array, T_O_L_en
 
 def explain(status: str) -> str: ...
 
-def flight_time(points: Array, limits: Sequence[float], deviation_m: float) -> float: ...
 def first_meeting(view: OccupancyView, trajectory: Trajectory, now_s: float, radius_m: float) -> Any: ...
+
+def flight_time(points: Array, limits: Sequence[float], deviation_m: float) -> float: ...
 
 def gravity_aligned(T_A_B: Array) -> Array: ...
 
