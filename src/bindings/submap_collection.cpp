@@ -234,6 +234,31 @@ void bind_queries(py::class_<SubmapCollection>& cls) {
       .def("save_mesh", &save_mesh, py::arg("path"), "Writes the mesh as binary PLY, coloured by height.");
 }
 
+void bind_files(py::class_<SubmapCollection>& cls) {
+  cls.def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
+          "Saves the map with a version and checksums. A crash during a save leaves the map that was saved before.")
+      .def_static(
+          "load", &load, py::arg("dir"), py::arg("recover") = false, py::arg("config") = py::none(),
+          "Loads a saved map. Raises with the reason if something is broken; with recover=True it returns (collection\n"
+          "of what is intact, list of problems) instead.\n\n"
+          "config: SubmapCollectionConfig to use instead of the saved settings.")
+      .def_static(
+          "load_octomap",
+          [](const std::string& path, const SubmapCollectionConfig& config) {
+            const py::gil_scoped_release release;
+            return submap::load_octomap(path, config);
+          },
+          py::arg("path"), py::arg("config") = SubmapCollectionConfig{},
+          "Makes a map of an OctoMap file (.ot or .bt), whose occupied voxels become surfaces and all others free.\n\n"
+          "Raises RuntimeError naming the file if it cannot be read, or has voxels of another size than the config.")
+      .def(
+          "export",
+          [](SubmapCollection& c, const std::string& dir) { return said_shift(export_into(&c, dir), dir + "/map.ot"); },
+          py::arg("dir"),
+          "Writes mesh.ply, occupied.ply, map.ot, the clouds of the submaps and their poses.\n\n"
+          "Returns what save_octomap() returns.");
+}
+
 }  // namespace
 
 void bind_submap_collection(py::module_& m) {
@@ -275,29 +300,8 @@ void bind_submap_collection(py::module_& m) {
           py::arg("other"), py::arg("T_W_other"),
           "Takes over the submaps of another flight; returns the number that was added to their ids.")
       .def_property_readonly("memory_bytes", &SubmapCollection::memory_bytes)
-      .def_property_readonly("num_resident", &SubmapCollection::num_resident, "Submaps in memory; others are on disk.")
-      .def("save", &SubmapCollection::save, py::arg("dir"), py::call_guard<py::gil_scoped_release>(),
-           "Saves the map with a version and checksums. A crash during a save leaves the map that was saved before.")
-      .def_static(
-          "load", &load, py::arg("dir"), py::arg("recover") = false, py::arg("config") = py::none(),
-          "Loads a saved map. Raises with the reason if something is broken; with recover=True it returns (collection\n"
-          "of what is intact, list of problems) instead.\n\n"
-          "config: SubmapCollectionConfig to use instead of the saved settings.")
-      .def_static(
-          "load_octomap",
-          [](const std::string& path, const SubmapCollectionConfig& config) {
-            const py::gil_scoped_release release;
-            return submap::load_octomap(path, config);
-          },
-          py::arg("path"), py::arg("config") = SubmapCollectionConfig{},
-          "Makes a map of an OctoMap file (.ot or .bt), whose occupied voxels become surfaces and all others free.\n\n"
-          "Raises RuntimeError naming the file if it cannot be read, or has voxels of another size than the config.")
-      .def(
-          "export",
-          [](SubmapCollection& c, const std::string& dir) { return said_shift(export_into(&c, dir), dir + "/map.ot"); },
-          py::arg("dir"),
-          "Writes mesh.ply, occupied.ply, map.ot, the clouds of the submaps and their poses.\n\n"
-          "Returns what save_octomap() returns.");
+      .def_property_readonly("num_resident", &SubmapCollection::num_resident, "Submaps in memory; others are on disk.");
+  bind_files(cls);
   bind_queries(cls);
   bind_obstacles(m);
 }

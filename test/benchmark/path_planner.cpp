@@ -101,7 +101,8 @@ double shortened_length(const planning::ClearanceField& field, const std::vector
   const double v = field.resolution_m();
   const planning::SegmentClearance clearance(field.impl(), kSafety / v);
   std::vector<Vec3> points;
-  for (const Vec3& p : path) points.push_back(p / v);
+  points.reserve(path.size());
+  for (const Vec3& p : path) points.emplace_back(p / v);
   for (int i = 0; i < 4; ++i) points = planning::PathShortening(&graph, &clearance, ~std::uint64_t{0}).run(points);
   return planning::length_of(points) * v;
 }

@@ -140,8 +140,10 @@ class BruteForce {
 
  private:
   static constexpr int kHalf = 40;
+  static constexpr std::size_t kNumVoxels = std::size_t{8} * kHalf * kHalf * kHalf;
   static std::size_t at(const Index3& v) {
-    return static_cast<std::size_t>(((v.z + kHalf) * 2 * kHalf + v.y + kHalf) * 2 * kHalf + v.x + kHalf);
+    const auto part = [](int coordinate) { return static_cast<std::size_t>(coordinate + kHalf); };
+    return (part(v.z) * 2 * kHalf + part(v.y)) * 2 * kHalf + part(v.x);
   }
 
   /// The flyable voxels, sorted, of blocks that hold nothing and are far from everything.
@@ -166,8 +168,8 @@ class BruteForce {
 
   const LimitedView& view_;
   const ClearanceFieldConfig& config_;
-  std::vector<VoxelState> states_ = std::vector<VoxelState>(8 * kHalf * kHalf * kHalf);
-  mutable std::vector<signed char> flyable_ = std::vector<signed char>(8 * kHalf * kHalf * kHalf, -1);
+  std::vector<VoxelState> states_ = std::vector<VoxelState>(kNumVoxels);
+  mutable std::vector<signed char> flyable_ = std::vector<signed char>(kNumVoxels, -1);
 };
 
 class Scene {

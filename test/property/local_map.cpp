@@ -155,8 +155,9 @@ TEST(LocalMapProperty, BoxNearestAndRayEqualBruteForce) {
     const Vec3 b = random_near(map, &rng, 9.0);
     const auto ray = map.ray_cast(a, b, false);
     const double length = (b - a).norm();
-    for (double s = 0.0; s < ray.range_m - 1e-6; s += 0.01)
-      ASSERT_EQ(map.state(a + (b - a) * (s / length)), VoxelState::kFree);
+    for (int i = 0; 0.01 * i < ray.range_m - 1e-6; ++i) {
+      ASSERT_EQ(map.state(a + (b - a) * (0.01 * i / length)), VoxelState::kFree);
+    }
     if (ray.range_m + 1e-6 >= length) continue;
     EXPECT_EQ(map.state(a + (b - a) * ((ray.range_m + 1e-6) / length)), ray.state);
   }

@@ -57,7 +57,7 @@ class Site {
   /// The centre of a flyable cell, where paths over the lattice may begin and end as well.
   Vec3 flyable_point(const planning::ClearanceField& field) {
     for (;;) {
-      const Vec3 p = geometry::center_of(geometry::index_of(point(), kResolution), kResolution);
+      Vec3 p = geometry::center_of(geometry::index_of(point(), kResolution), kResolution);
       if (field.component(p) != 0) return p;
     }
   }

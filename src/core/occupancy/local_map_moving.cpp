@@ -51,12 +51,12 @@ struct TakenBack {
 
 const std::vector<NewHit>& LocalMap::new_hits() const { return impl_->insertion.new_hits(); }
 
-std::optional<NewVoxelSight> LocalMap::sight_of_new(const geometry::Index3& index) const {
+std::optional<NewVoxelSight> LocalMap::sight_of_new(const geometry::Index3& voxel) const {
   const OctreeForest& forest = impl_->forest;
-  const OctreeBlock* block = forest.window.find(geometry::block_of(index));
-  const NewVoxel* voxel = block != nullptr ? block->new_voxels.find(geometry::offset_in_block(index)) : nullptr;
-  if (voxel == nullptr) return std::nullopt;
-  return NewVoxelSight{forest.scans - voxel->last_scan, voxel->is_seen_through};
+  const OctreeBlock* block = forest.window.find(geometry::block_of(voxel));
+  const NewVoxel* found = block != nullptr ? block->new_voxels.find(geometry::offset_in_block(voxel)) : nullptr;
+  if (found == nullptr) return std::nullopt;
+  return NewVoxelSight{forest.scans - found->last_scan, found->is_seen_through};
 }
 
 void LocalMap::mark_moving(const std::vector<geometry::Index3>& voxels) {

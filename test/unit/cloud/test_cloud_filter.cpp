@@ -175,7 +175,8 @@ RawCloud wall_cloud() {
   RawCloud c = test::xyzi_cloud(16, 32);
   for (std::size_t i = 0; i < 512; ++i) c.set_xyz(i, 0, 0, 0);
   for (std::size_t i = 0; i < 64; ++i) {
-    c.set_xyz(i, 5.0F, 0.1F * static_cast<float>(i % 32), 0.1F * static_cast<float>(i / 32));
+    const std::size_t row = i / 32;
+    c.set_xyz(i, 5.0F, 0.1F * static_cast<float>(i % 32), 0.1F * static_cast<float>(row));
   }
   return c;
 }
@@ -192,7 +193,10 @@ TEST(CloudFilter, FarLonePointsAreNoOutliers) {
 
 TEST(CloudFilter, ASensorWhoseBeamsAreFarApartLosesNothing) {
   RawCloud c = wall_cloud();
-  for (std::size_t i = 0; i < 64; ++i) c.set_xyz(i, 5.0F, static_cast<float>(i % 32), static_cast<float>(i / 32));
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::size_t row = i / 32;
+    c.set_xyz(i, 5.0F, static_cast<float>(i % 32), static_cast<float>(row));
+  }
   EXPECT_EQ(filtered({}, c).counts.outlier, 0u);
   EXPECT_EQ(filtered({}, c).counts.kept, 64u);
   EXPECT_TRUE(filtered({}, c).is_outlier_filter_suspended);

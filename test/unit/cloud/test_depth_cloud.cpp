@@ -150,7 +150,7 @@ TEST(DepthCloud, SaysWhatIsWrongWithAnImage) {
   EXPECT_EQ(problem([](DepthImage*) {}), "");
   EXPECT_NE(problem([](DepthImage* i) { i->encoding = "bgr8"; }).find("'bgr8'"), std::string::npos);
   EXPECT_NE(problem([](DepthImage* i) { i->width = 32; }).find("32 x 48"), std::string::npos);
-  EXPECT_NE(problem([](DepthImage* i) { i->size -= 4 * kWidth; }).find("too few"), std::string::npos);
+  EXPECT_NE(problem([](DepthImage* i) { i->size -= std::size_t{4} * kWidth; }).find("too few"), std::string::npos);
   EXPECT_NE(problem([](DepthImage* i) { i->step = 7; }).find("too few"), std::string::npos);
   EXPECT_NE(problem([](DepthImage* i) { i->is_big_endian = true; }).find("big-endian"), std::string::npos);
 }
