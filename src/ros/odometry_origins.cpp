@@ -5,6 +5,10 @@
 
 namespace voxnav_ros {
 
+voxnav::geometry::Pose expressed(const voxnav::geometry::Pose& T_new_old, const voxnav::geometry::Pose& T_old_X) {
+  return T_new_old.matrix() == voxnav::geometry::Pose::Identity().matrix() ? T_old_X : T_new_old * T_old_X;
+}
+
 void OdometryOrigins::change(const std::string& frame, const Pose& T_new_old, std::uint32_t first_id) {
   for (auto& [name, T_now_former] : former_) T_now_former = T_new_old * T_now_former;
   for (auto& [id, T_now_then] : by_first_) T_now_then = T_new_old * T_now_then;

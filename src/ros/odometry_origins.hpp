@@ -10,6 +10,10 @@
 
 namespace voxnav_ros {
 
+/// Expresses a pose in another origin. Where nothing changes it stays as it is to the last bit, as offline maps have
+/// it: a product with the identity would turn -0 into 0.
+voxnav::geometry::Pose expressed(const voxnav::geometry::Pose& T_new_old, const voxnav::geometry::Pose& T_old_X);
+
 /// The origins of the odometry, one after another, and how poses in former ones are expressed in the newest. Submaps
 /// are numbered in the order in which they came.
 class OdometryOrigins {

@@ -132,7 +132,7 @@ void SubmapIntegratorNodelet::take_handover(const voxnav::pipeline::Handover& ha
     NODELET_WARN_STREAM_THROTTLE(kLogPeriod_s, "[" << node() << "]: " << *result.dropped);
   }
   if (!result.submap) return;
-  result.submap->T_O_S = T_now_O * result.submap->T_O_S;
+  result.submap->T_O_S = expressed(T_now_O, result.submap->T_O_S);
   add(std::move(*result.submap));
 }
 

@@ -52,7 +52,7 @@ void SubmapIntegratorNodelet::close_map(const std::string& frame, const std::str
 }
 
 void SubmapIntegratorNodelet::express_now(const submap::SubmapEntry& entry, msg::FinishedSubmap* msg) const {
-  msg->T_O_S = to_msg(origins_.from_that_of(entry.id) * entry.T_O_S);
+  msg->T_O_S = to_msg(expressed(origins_.from_that_of(entry.id), entry.T_O_S));
 }
 
 }  // namespace voxnav_ros

@@ -33,6 +33,16 @@ def test_the_first_message_names_the_origin_and_a_repeated_one_changes_nothing()
     assert np.array_equal(seen.into("a"), np.eye(4)) and np.array_equal(seen.into(""), np.eye(4))
 
 
+def test_a_pose_in_the_newest_origin_stays_as_it_is_to_the_last_bit():
+    T = pose(1.0, 2.0, 3.0, 0.4)
+    T[2, 3] = -0.0
+    seen = origins.GraphOrigins("a")
+    assert np.signbit(seen.express("a", T)[2, 3]) and np.signbit(seen.express("", T)[2, 3])
+    seen.follow(message("a"))
+    seen.follow(message("b", "a", np.linalg.inv(A_B)))
+    assert np.allclose(seen.express("a", T), np.linalg.inv(A_B) @ T)
+
+
 def test_poses_in_former_origins_are_expressed_in_the_newest():
     seen = origins.GraphOrigins("")
     seen.follow(message("a"))

@@ -255,7 +255,8 @@ def test_shipped_parameters_are_the_defaults():
     sections = yaml.safe_load(CONFIG.read_text())
     classes = dict(node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig,
                    planner=voxnav.FlightSearchConfig, map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig,
-                   home=voxnav.HomeConfig, work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
+                   home=voxnav.HomeConfig, heading=voxnav.HeadingConfig, work=voxnav.WorkTimeConfig,
+                   time=voxnav.TimeConfig)
     assert set(sections) == set(classes)
     for name, config_class in classes.items():
         assert config_class.from_dict(sections[name]).to_dict() == config_class().to_dict()

@@ -53,3 +53,8 @@ class GraphOrigins:
         if frame not in self._former:
             raise ValueError("frame %s does not relate to %s" % (frame, self.frame))
         return self._former[frame]
+
+    def express(self, frame, T_frame_X):
+        """Returns T_newest_X of a pose in an origin; as it is to the last bit in the newest one, where -0 stays -0."""
+        T_newest_frame = self.into(frame)
+        return T_frame_X if np.array_equal(T_newest_frame, np.eye(4)) else T_newest_frame @ T_frame_X

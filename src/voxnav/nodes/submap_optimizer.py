@@ -231,7 +231,7 @@ class SubmapOptimizer:
     def _take(self, msg):
         """Adds one submap. Returns True if it is new."""
         record = graph_messages.record_from_msg(msg)
-        record = record._replace(T_O_S=self._origins.into(msg.header.frame_id) @ record.T_O_S)
+        record = record._replace(T_O_S=self._origins.express(msg.header.frame_id, record.T_O_S))
         with self._diagnostics.time("add"):
             is_new = self._session.add_submap(record, graph_messages.field_from_msg(msg, record))
         self._latest_stamp = max(self._latest_stamp, msg.header.stamp)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "../../../src/ros/odometry_origins.hpp"
 
 using voxnav::geometry::from_position_yaw;
@@ -27,6 +29,13 @@ TEST(OdometryOrigins, ExpressPosesOfFormerOriginsInTheNewest) {
   origins.change("a", kT_A_B * kT_B_C, 9);
   EXPECT_TRUE(origins.from("a")->isApprox(Pose::Identity()));
   EXPECT_TRUE(origins.from("b")->isApprox(kT_A_B));
+}
+
+TEST(OdometryOrigins, LeaveAPoseAsItIsWhereNothingChanges) {
+  Pose pose = kT_A_B;
+  pose.translation().z() = -0.0;
+  EXPECT_TRUE(std::signbit(voxnav_ros::expressed(Pose::Identity(), pose).translation().z()));
+  EXPECT_TRUE(voxnav_ros::expressed(kT_B_C, pose).isApprox(kT_B_C * pose));
 }
 
 TEST(OdometryOrigins, KnowTheOriginInWhichEachSubmapCame) {
