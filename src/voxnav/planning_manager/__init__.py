@@ -55,7 +55,7 @@ P, M       check: the corridor is not known free    Planning                  Pu
 P, M       check: and there is no room to stop,     Planning                  Hover                   brake
            or shortening has not come in time
 P, M       check: far from the trajectory, or the   as it was, a plan is due                          plan_anew
-           tracker leads away from it, or into what
+           tracker leads away from it, or to what
            is not known free, with time for a plan
 P, M       check: farther from the trajectory, or   Planning                  Hover                   brake
            the tracker leads there near by
