@@ -31,14 +31,15 @@ struct ObstacleSectorsConfig {
 
 /// What is known of one sector.
 struct ObstacleSector {
-  bool is_known = false;      ///< some voxel of it is known
+  bool is_known = false;      ///< an obstacle is seen in it, or most of its space within range is known to be free
   bool has_obstacle = false;  ///< one is occupied
   double distance_m = 0.0;    ///< to the nearest point of an occupied voxel, if there is one
 };
 
 /// Returns the nearest obstacle in each sector around a vehicle: the horizontal ones counter-clockwise, the first one
 /// centred ahead, then the one below and the one above. A voxel belongs to the sector in which its middle is seen. The
-/// distance is that to the nearest point of its cube, since its surface may be anywhere in it.
+/// distance is that to the nearest point of its cube, since its surface may be anywhere in it. A sector of which little
+/// is known is not known: the few free voxels beside a vehicle must not pass for a free way.
 /// O(blocks within range). Source of the sectors: mrs_msgs/ObstacleSectors.
 /// @throws std::invalid_argument if the position or the heading is not finite
 std::vector<ObstacleSector> obstacle_sectors(const ObstacleSectorsConfig& config, const OccupancyView& view,

@@ -12,6 +12,8 @@ using geometry::Index3;
 using geometry::Vec3;
 
 constexpr double kTurn_rad = 6.283185307179586;
+/// A sector without an obstacle is known if at least this share of its volume is.
+constexpr double kKnownShare = 0.5;
 
 /// Sees the voxels of a map from a vehicle.
 class SectorScan {
@@ -22,7 +24,8 @@ class SectorScan {
         position_(position),
         heading_rad_(heading_rad),
         sine_(std::sin(0.5 * config.vertical_fov_rad)),
-        sectors_(static_cast<std::size_t>(config.num_horizontal) + 2) {}
+        sectors_(static_cast<std::size_t>(config.num_horizontal) + 2),
+        num_known_(sectors_.size(), 0) {}
 
   void add(const Index3& block, const StateBlock& states) {
     for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
@@ -31,7 +34,13 @@ class SectorScan {
     }
   }
 
-  std::vector<ObstacleSector> take() { return std::move(sectors_); }
+  std::vector<ObstacleSector> take() {
+    const double voxel_m3 = std::pow(resolution_m_, 3);
+    for (std::size_t i = 0; i < sectors_.size(); ++i) {
+      sectors_[i].is_known = sectors_[i].has_obstacle || num_known_[i] * voxel_m3 >= kKnownShare * volume_m3(i);
+    }
+    return std::move(sectors_);
+  }
 
  private:
   void add(const Index3& voxel, VoxelState state) {
@@ -41,8 +50,9 @@ class SectorScan {
     const double half_m = 0.5 * resolution_m_;
     const double distance_m = (way.cwiseAbs().array() - half_m).max(0.0).matrix().norm();
     if (distance_m > config_.max_range_m) return;
-    ObstacleSector& sector = sectors_[sector_of(way, middle_m)];
-    sector.is_known = true;
+    const std::size_t number = sector_of(way, middle_m);
+    ObstacleSector& sector = sectors_[number];
+    ++num_known_[number];
     if (state != VoxelState::kOccupied || (sector.has_obstacle && sector.distance_m <= distance_m)) return;
     sector.has_obstacle = true;
     sector.distance_m = distance_m;
@@ -58,11 +68,20 @@ class SectorScan {
     return std::min(index, count - 1);
   }
 
+  /// The part of the ball around the vehicle that a sector takes, without the vehicle itself.
+  double volume_m3(std::size_t sector) const {
+    const bool is_horizontal = sector < static_cast<std::size_t>(config_.num_horizontal);
+    const double solid_angle =
+        is_horizontal ? 2.0 * sine_ * kTurn_rad / config_.num_horizontal : kTurn_rad * (1.0 - sine_);
+    return solid_angle * (std::pow(config_.max_range_m, 3) - std::pow(config_.body_radius_m, 3)) / 3.0;
+  }
+
   const ObstacleSectorsConfig& config_;
   double resolution_m_;
   Vec3 position_;
   double heading_rad_, sine_;
   std::vector<ObstacleSector> sectors_;
+  std::vector<int> num_known_;  ///< voxels of each sector within range
 };
 
 }  // namespace

@@ -64,11 +64,28 @@ TEST(ObstacleSectors, TurnWithTheVehicle) {
   EXPECT_TRUE(sectors_of(grid, Vec3::Zero(), kPi)[6].has_obstacle);
 }
 
-TEST(ObstacleSectors, FreeIsKnownAndNothingIsNot) {
+TEST(ObstacleSectors, AFewFreeVoxelsDoNotMakeAFreeSector) {
   const auto found = sectors_of(grid_of({{Vec3(3, 0, 0), VoxelState::kFree}}), Vec3::Zero(), 0.0);
-  EXPECT_TRUE(found[0].is_known);
-  EXPECT_FALSE(found[0].has_obstacle);
-  for (std::size_t i = 1; i < found.size(); ++i) EXPECT_FALSE(found[i].is_known);
+  for (const ObstacleSector& sector : found) EXPECT_FALSE(sector.is_known || sector.has_obstacle);
+}
+
+TEST(ObstacleSectors, AreKnownWhereMostOfTheirSpaceIsKnown) {
+  for (const double depth_m : {4.0, 6.0, 9.0, 11.0}) {  // half of the volume lies within 0.79 of the range
+    const int side = static_cast<int>(depth_m / kResolution_m);
+    auto grid = std::make_shared<containers::StateGrid>(kResolution_m);
+    for (int z = -side; z <= side; ++z) {
+      for (int y = -side; y <= side; ++y) {
+        for (int x = -side; x <= side; ++x) {
+          const Vec3 center = geometry::center_of(Index3{x, y, z}, kResolution_m);
+          if (center.norm() <= depth_m) grid->set({x, y, z}, VoxelState::kFree);
+        }
+      }
+    }
+    for (const ObstacleSector& sector : sectors_of(grid, Vec3::Zero(), 0.3)) {
+      EXPECT_EQ(sector.is_known, depth_m > 8.0) << depth_m;
+      EXPECT_FALSE(sector.has_obstacle);
+    }
+  }
 }
 
 TEST(ObstacleSectors, TheVehicleItselfAndWhatIsFarAreLeftOut) {
@@ -100,8 +117,8 @@ TEST(ObstacleSectors, EqualThoseOfAllVoxelsOneByOne) {
                            std::max(0.0, std::abs(way.z()) - 0.2));
         if (way.norm() < config.body_radius_m || nearest.norm() > config.max_range_m) continue;
         ObstacleSector& sector = expected[sector_by_bounds(config, way, heading_rad)];
-        sector.is_known = true;
         if (state != VoxelState::kOccupied) continue;
+        sector.is_known = true;
         sector.distance_m = sector.has_obstacle ? std::min(sector.distance_m, nearest.norm()) : nearest.norm();
         sector.has_obstacle = true;
       }
