@@ -107,3 +107,19 @@ def test_sightings_that_are_not_finite_are_refused():
         nav.set_sightings(1.0, RESOLUTION, none, np.zeros(0, dtype=np.int32), thing)
     with pytest.raises(ValueError, match="resolution"):
         nav.set_sightings(1.0, 0.0, none, np.zeros(0, dtype=np.int32), np.zeros((0, 12)))
+
+
+def test_a_goal_that_something_crosses_is_kept_and_reached_when_it_is_gone():
+    flight = CrossedFlight((8.0, -2.5, 0.0), (0.0, 0.35, 0.0))
+    flight.look()
+    flight.tell()
+    assert flight.manager.set_goal((8.0, 0.0, 0.0), None, flight.now) == ""
+    reasons = set()
+
+    def is_there(f):
+        reasons.add(f.manager.status["reason"])
+        return f.manager.status["is_goal_reached"]
+
+    assert flight.fly(40.0, is_there), reasons
+    assert any("something that moves is at the goal" in reason for reason in reasons), reasons
+    assert flight.nearest_m > 0.6

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from voxnav._core import PlanOutcome, PlanStatus
+from voxnav._core import PlanOutcome, PlanStatus, Trajectory, first_meeting
 from voxnav.array_types import Array
 from voxnav.planning_manager.actions import Generate, Plan
 from voxnav.planning_manager.facts import Facts, Step
@@ -15,6 +15,13 @@ from voxnav.planning_manager.states import (Active, Flight, Generating, Idle, Mo
                                             own_hover)
 from voxnav.planning_manager.stopping import stop
 from voxnav.planning_manager.verdicts import MEANINGS, verdict_of
+
+
+# A thing that comes nearer to the goal than this may be what blocks it; searches keep map/moving_clearance_m from it,
+# measured to the middles of cells.
+GOAL_ROOM_M = 1.5
+# The vehicle would rest at the goal, so that the step of that trajectory has no meaning.
+GOAL_STEP_S = 0.1
 
 
 def is_plan_due(state: Active, facts: Facts) -> bool:
@@ -79,6 +86,9 @@ def plan_failed(state: State, number: int, problem: str, facts: Facts) -> Step:
 
 def no_way(state: Active, outcome: PlanOutcome, facts: Facts) -> Step:
     """Tries again after a search that found nothing worth flying, or gives the goal up once that is decided."""
+    if MEANINGS[outcome.status].is_about_goal and is_goal_crossed(state, facts):
+        because = Because(Reason.PLAN_FAILED, "waits: something that moves is at the goal, or comes there")
+        return replace(fail(state, because, facts), verdict=None), ()
     leads_nowhere = _length_m(outcome.plan.path) < facts.config.min_progress_m or len(outcome.waypoints_O) > 0
     is_resting = leads_nowhere and facts.flown(state.flight) is None
     verdict = verdict_of(state.verdict, outcome, is_resting, facts.now_s)
@@ -87,6 +97,18 @@ def no_way(state: Active, outcome: PlanOutcome, facts: Facts) -> Step:
     is_told = verdict is not None and verdict.confirm_s is not None
     because = verdict.because if verdict is not None and is_told else Because(Reason.PLAN_FAILED, outcome.problem)
     return replace(fail(state, because, facts), verdict=verdict), ()
+
+
+def is_goal_crossed(state: Active, facts: Facts) -> bool:
+    """Returns True if something that moves may soon be at the goal, which then decides nothing about the goal.
+
+    If it does not go away, the goal is given up like any other to which there is no progress.
+    """
+    view = facts.look()
+    if view is None:
+        return False
+    at_goal = Trajectory(np.array([facts.goal_O(state.goal)]), GOAL_STEP_S)
+    return first_meeting(view, at_goal, facts.now_s, GOAL_ROOM_M) is not None
 
 
 def is_worth_flying(state: Active, outcome: PlanOutcome, facts: Facts) -> bool:
