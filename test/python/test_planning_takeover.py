@@ -8,7 +8,7 @@ import pytest
 
 import voxnav
 from voxnav.planning_manager import Because, Hover, Idle, Means, Moving, Planning, Reason
-from voxnav.planning_manager import flying, input_ids, main_loop, stopping, takeover
+from voxnav.planning_manager import checking, flying, input_ids, main_loop, stopping, takeover
 from voxnav.planning_manager.inputs import Control, Prediction, Timed, TrackerState
 from voxnav.planning_manager.owners import who_flies
 from voxnav.planning_manager.states import Goal, OwnHover
@@ -103,6 +103,25 @@ def test_a_reference_just_after_a_trajectory_was_taken_is_noticed_although_it_wa
     state = moving_state(flight=flight(NOW - 0.8, is_tracked=False))
     assert takeover.taken_over(state, told(RESTING, OURS)) == "somebody else commands the vehicle"
     assert takeover.taken_over(moving_state(flight=flight(NOW - 0.3, is_tracked=False)), told(RESTING, OURS)) is None
+
+
+def test_a_prediction_that_leaves_the_trajectory_is_judged_once_diagnostics_tell_who_commands():
+    """The tracker is led into unknown space by another node, which its prediction shows before its diagnostics."""
+    def seen(now, control_s):
+        out = told(FREE, OURS, way=(0.0, 0.0, 30.0), now=now, seen=view())
+        return replace(out, inputs=replace(out.inputs, control=Timed(control_s, FREE)))
+    waiting, actions = checking.check(moving_state(), seen(NOW, NOW - 0.08))
+    assert isinstance(waiting, Moving) and not actions and waiting.flight.left_s == NOW
+    waiting, actions = checking.check(waiting, seen(NOW + 0.1, NOW - 0.08))
+    assert isinstance(waiting, Moving) and not actions and waiting.flight.left_s == NOW
+    later = NOW + 0.2
+    after, actions = main_loop.tick(waiting, told(RESTING, OURS, way=(0.0, 0.0, 30.0), now=later, seen=view()))
+    assert after.because.reason is Reason.TAKEN_OVER and not actions
+    for now, control_s in ((later, later - 0.05), (NOW + 0.3, NOW - 0.08)):  # it is voxnav's own, or nobody tells
+        after, actions = checking.check(waiting, seen(now, control_s))
+        assert [type(a) for a in actions] == [Hover], now
+    on_it, _ = checking.check(waiting, facts(NOW + 0.1, position=(1.2, 0.0, 2.0), seen=view()))
+    assert on_it.flight.left_s is None
 
 
 def test_a_new_goal_takes_the_vehicle_back_from_a_reference_of_another_node():

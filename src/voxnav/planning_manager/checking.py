@@ -27,6 +27,8 @@ NEXT_CHECK_S = 0.2
 AHEAD_S = (0.0, 0.5, 1.0, 2.0)
 # A prediction shows a trajectory if it was made this much after the tracker took it.
 SHOWN_S = 0.1
+# Diagnostics come ten times a second: within this time they tell whether somebody else leads a tracker off its way.
+OWNER_SHOWS_S = 0.25
 
 
 def check(state: State, facts: Facts) -> Step:
@@ -54,6 +56,11 @@ def check_flight(state: Active, flight: Flight, facts: Facts) -> Step:
     if shortened is not None:
         return shortened
     deviation_m = deviation_of(flight, facts)
+    if (deviation_m > facts.config.replan_deviation_m) != (flight.left_s is not None):
+        flight = replace(flight, left_s=facts.now_s if flight.left_s is None else None)
+        state = replace(state, flight=flight)
+    if _may_be_taken_over(flight, facts):
+        return state, ()
     if deviation_m > facts.config.brake_deviation_m:
         sentence = "brake: %.1f m from the trajectory" % deviation_m
         return brake(state, Because(Reason.DEVIATED, sentence), facts)
@@ -64,6 +71,16 @@ def check_flight(state: Active, flight: Flight, facts: Facts) -> Step:
         because = Because(Reason.DEVIATED, "plans anew: %.1f m from the trajectory" % deviation_m)
         return plan_anew(state, flight, because, facts), ()
     return state, ()
+
+
+def _may_be_taken_over(flight: Flight, facts: Facts) -> bool:
+    """Returns True until diagnostics tell whether it is a command of another node that leads off the trajectory.
+
+    A prediction shows such a command before the diagnostics do. Braking at once would take the vehicle from a person.
+    """
+    if flight.left_s is None or facts.control is None or facts.now_s - flight.left_s > OWNER_SHOWS_S:
+        return False
+    return facts.control.stamp_s < flight.left_s
 
 
 def plan_anew(state: Active, flight: Flight, because: Because, facts: Facts) -> Active:

@@ -59,6 +59,7 @@ class Flight:
     asked_s: float  # time at which the tracker was asked; the flight began no earlier
     taken_s: float  # time of its answer; later predictions show the flight
     is_tracked: bool = False  # the tracker has been seen to fly it
+    left_s: Optional[float] = None  # since when the vehicle or its prediction has been off it; None: it is on it
 
     def is_flown(self, now_s: float) -> bool:
         return now_s < self.begin_s + float(self.trajectory.duration_s) + SETTLING_S
