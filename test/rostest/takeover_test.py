@@ -16,7 +16,7 @@ from nav_msgs.msg import Odometry
 from std_srvs.srv import SetBool, Trigger
 
 from voxnav.demo.record import FlightRecord
-from voxnav.nodes.flight_recorder import FlightRecorder
+from voxnav.nodes.flight_recorder import FlightRecorder, MissionError
 from voxnav.planning_manager.input_ids import is_own
 
 LIMIT_S = 60.0  # limit of wall time for every wait
@@ -53,14 +53,17 @@ class TakeoverTest(unittest.TestCase):
         return self.recorder.status
 
     def wait(self, condition, what):
-        self.recorder.wait_until(condition, LIMIT_S, what + "; last: %s" % (self.status and self.status.reason))
+        try:
+            self.recorder.wait_until(condition, LIMIT_S, what)
+        except MissionError as error:
+            self.fail("%s; now: %s" % (error, self.status and self.status.reason))
 
     def call(self, name, kind, *arguments):
         rospy.wait_for_service(name, LIMIT_S)
         answer = rospy.ServiceProxy(name, kind)(*arguments)
         self.assertTrue(answer.success, "%s: %s" % (name, answer.message))
 
-    def fly(self, frame=W, goal=(15.0, 0.0, HEIGHT_M)):
+    def fly(self, frame=W, goal=(15.0, -4.0, HEIGHT_M)):
         """Sends a goal and waits until the vehicle moves to it."""
         self.recorder.send_goal(frame, goal)
         self.wait(lambda: self.recorder.speed_mps > 0.8 and self.status.reason.startswith("moving"), "a flight")
@@ -121,6 +124,9 @@ class TakeoverTest(unittest.TestCase):
         self.assertIn("safety area", self.status.reason)
         self.wait(lambda: self.recorder.speed_mps < 0.1, "rest")
         self.assertLess(self.truth[0], 18.5)
+        self.call("control_manager/goto", Vec4, [16.0, -4.0, HEIGHT_M, 0.0])  # no flight may begin beyond the edge
+        self.wait(lambda: np.linalg.norm(self.truth[:2] - (16.0, -4.0)) < 0.5 and self.recorder.speed_mps < 0.1,
+                  "the return into the area")
 
     def test_5_a_switch_of_the_estimator_in_flight(self):
         """The origins are 3.7 m and 0.3 rad apart: with poses of one on a map of the other the goal would be missed."""

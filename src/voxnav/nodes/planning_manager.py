@@ -24,7 +24,7 @@ from voxnav.nodes.planning_services import ControlServices, TimedService
 from voxnav.nodes.planning_settings import PlanningSettings
 from voxnav.nodes.time_seam import WorkTimes, seam_for
 from voxnav.nodes.virtual_obstacles import VirtualObstacles
-from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish
+from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish, Reason
 
 NAME = "planning_manager"
 # A goal kept on the parameter server is forgotten after this time.
@@ -47,7 +47,7 @@ class PlanningManagerNode:
         self._revision, self._search = self._settings.search(0, None)  # used by the thinker alone
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
-        self._waypoints, self._last_now = np.zeros((0, 3)), 0.0
+        self._waypoints, self._last_now, self._told = np.zeros((0, 3)), 0.0, None
         self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
         self._diagnostics = Diagnostics(NAME)
         self._output = PlanningOutput()
@@ -116,7 +116,16 @@ class PlanningManagerNode:
         self._keep_goal(status.goal_W)
         self._report(status)
 
+    def _tell_if_idle(self, status):
+        """Logs why no goal is flown to any more. Stops and flights are logged when they are commanded."""
+        reason = status.because.reason if status.state == 0 else None
+        if reason is not self._told and reason not in (None, Reason.NO_GOAL):
+            say = rospy.loginfo if reason is Reason.REACHED else rospy.logwarn
+            say("[%s]: idle: %s", NAME, status.reason)
+        self._told = reason
+
     def _report(self, status):
+        self._tell_if_idle(status)
         is_kept_from_flying = status.because.reason.level is Level.WARN
         self._diagnostics.set_level(NodeDiagnostics.WARN if is_kept_from_flying else NodeDiagnostics.OK,
                                     status.reason if is_kept_from_flying else "")

@@ -17,6 +17,7 @@ from voxnav.planning_manager.states import (Active, Flight, Idle, Leads, OwnHove
                                             own_hover)
 from voxnav.planning_manager.stopping import brake
 from voxnav.planning_manager.stops import asked_for, best_stop, danger_in_steps
+from voxnav.planning_manager.takeover import taken_over
 from voxnav.planning_manager.ways import straight_way, way_ahead
 
 # Nearer than this along its way, the vehicle is beside the unsafe place already.
@@ -27,6 +28,8 @@ NEXT_CHECK_S = 0.2
 AHEAD_S = (0.0, 0.5, 1.0, 2.0)
 # A prediction shows a trajectory if it was made this much after the tracker took it.
 SHOWN_S = 0.1
+# A vehicle, or a place that is predicted for it, has left its trajectory if it is farther from it than this.
+DEPARTURE_M = 0.4
 # Diagnostics come ten times a second: within this time they tell whether somebody else leads a tracker off its way.
 OWNER_SHOWS_S = 0.25
 
@@ -35,6 +38,8 @@ def check(state: State, facts: Facts) -> Step:
     """Checks what the vehicle flies; shortens the flight, brakes or plans anew where it is not safe."""
     if facts.inputs.vehicle is None or facts.inputs.limits is None:
         return state, ()
+    if taken_over(state, facts) is not None:
+        return state, ()  # the next tick drops the goal; a stop would take the vehicle from whoever has it
     stopping = own_hover(state)
     if stopping is not None:
         return check_stop(state, stopping, facts)
@@ -56,7 +61,7 @@ def check_flight(state: Active, flight: Flight, facts: Facts) -> Step:
     if shortened is not None:
         return shortened
     deviation_m = deviation_of(flight, facts)
-    if (deviation_m > facts.config.replan_deviation_m) != (flight.left_s is not None):
+    if (deviation_m > DEPARTURE_M) != (flight.left_s is not None):
         flight = replace(flight, left_s=facts.now_s if flight.left_s is None else None)
         state = replace(state, flight=flight)
     if _may_be_taken_over(flight, facts):
