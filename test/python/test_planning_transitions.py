@@ -621,7 +621,9 @@ def test_a_tracker_that_leads_into_an_obstacle_is_braked_or_gets_a_new_plan_whil
     after, actions = checking.check(near, predicting(aside, seen=view((5.6, 1.1))))
     assert isinstance(after, Moving) and not actions and after.because.reason is Reason.UNSAFE_PREDICTION
     assert after.plan_from_s == NOW + CONFIG.retry_interval_s, "the trajectory is new, so a plan has just been made"
-    assert checking.check(near, predicting(aside, seen=view((8.8, 1.1)))) == (near, ()), "a new prediction comes before"
+    after, actions = checking.check(near, predicting(aside, seen=view((8.8, 1.1))))
+    assert after.because is near.because and not actions, "a new prediction comes before"
+    assert after.flight.left_s == NOW, "it is 0.7 m off the trajectory"
 
 
 def test_a_vehicle_that_a_gust_brought_near_to_an_obstacle_is_not_stopped_there_if_its_way_leads_out():
