@@ -138,13 +138,16 @@ inline std::vector<SurfacePoint> observe(const ForestWorld& world, const Pose& T
     out.push_back({p_S.cast<float>(), (T_S_W.linear() * n_W).cast<float>(), 1.0f});
   };
   const Vec3 center = T_W_S.translation();
-  for (double x = center.x() - view.range_m; x < center.x() + view.range_m; x += 0.8) {
-    for (double y = center.y() - view.range_m; y < center.y() + view.range_m; y += 0.8) {
+  const int across = static_cast<int>(std::ceil(2.0 * view.range_m / 0.8));
+  for (int i = 0; i < across; ++i) {
+    for (int j = 0; j < across; ++j) {
+      const double x = center.x() - view.range_m + 0.8 * i, y = center.y() - view.range_m + 0.8 * j;
       add({x, y, world.ground(x, y)}, Vec3::UnitZ());
     }
   }
   for (const Trunk& t : world.trunks) {
-    for (double z = 0.4; z < view.height_m; z += 0.4) {
+    for (int level = 1; 0.4 * level < view.height_m; ++level) {
+      const double z = 0.4 * level;
       for (int k = 0; k < 5; ++k) {
         const double angle = 2.0 * M_PI * k / 5.0 + z;
         const Vec3 n(std::cos(angle), std::sin(angle), 0.0);

@@ -48,7 +48,7 @@ void NavigationView::limit_to_area(const planning::Prism& area) {
     bounds_.max[axis] = std::min(bounds_.max[axis], high);
   }
   // Altitudes are those of the centres of voxels, and paths touch the whole of them.
-  const double margin_m = config_.area_margin_m + 0.5 * resolution_m();
+  const double margin_m = config_.area_margin_m + 0.5 * content_.local->resolution_m();
   const double shift = content_.T_W_O.translation().z();
   min_altitude_m_ = std::max(min_altitude_m_, area.min_z + shift + margin_m);
   max_altitude_m_ = std::min(max_altitude_m_, area.max_z + shift - margin_m);
@@ -175,7 +175,7 @@ bool NavigationView::forbid_heights(const Index3& block, BlockMask* hard) const 
       const bool is_high =
           has_highest && height > *ground_m + config_.max_height_m && !(is_at_vehicle && height <= highest_way);
       if (!is_low && !is_high) continue;
-      hard->set(static_cast<std::size_t>(z * kSide * kSide + column));
+      hard->set(static_cast<std::size_t>(z) * kSide * kSide + static_cast<std::size_t>(column));
       is_any = true;
     }
   }

@@ -94,8 +94,8 @@ std::vector<geometry::Aabb> PlacedSightings::boxes() const {
 }
 
 bool PlacedSightings::is_forbidden(const MovingThing& thing, const Vec3& center) const {
-  for (double after_s = 0.0; after_s <= sightings_.rules.horizon_s; after_s += kStep_s) {
-    if (planning::may_touch(thing, sightings_.rules, after_s, center, clearance_m_)) return true;
+  for (int step = 0; step * kStep_s <= sightings_.rules.horizon_s; ++step) {
+    if (planning::may_touch(thing, sightings_.rules, step * kStep_s, center, clearance_m_)) return true;
   }
   return false;
 }

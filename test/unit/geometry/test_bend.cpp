@@ -7,7 +7,7 @@ using namespace voxnav::geometry;  // NOLINT: test
 
 TEST(Bend, IsRigidByDefault) {
   EXPECT_TRUE(Bend{}.is_rigid());
-  for (double phase = 0.0; phase <= 1.0; phase += 0.1) EXPECT_EQ(Bend{}.at(phase).matrix(), Pose::Identity().matrix());
+  for (int i = 0; i <= 10; ++i) EXPECT_EQ(Bend{}.at(0.1 * i).matrix(), Pose::Identity().matrix());
 }
 
 TEST(Bend, GrowsEvenlyFromTheMiddleToEitherEnd) {

@@ -11,7 +11,8 @@ using namespace voxnav::geometry;  // NOLINT: test
 
 TEST(Pose, YawSurvivesTilt) {
   // Yaw is the heading of the x axis, whatever roll and pitch are.
-  for (double yaw = -3.0; yaw < 3.1; yaw += 0.3) {
+  for (int i = -10; i <= 10; ++i) {
+    const double yaw = 0.3 * i;
     Pose tilted = Pose::Identity();
     tilted.linear() = (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(0.4, Vec3::UnitY()) *
                        Eigen::AngleAxisd(-0.3, Vec3::UnitX()))
@@ -22,7 +23,8 @@ TEST(Pose, YawSurvivesTilt) {
 }
 
 TEST(Pose, WrapAngleStaysInRangeAndKeepsDirection) {
-  for (double angle = -50; angle < 50; angle += 0.37) {
+  for (int i = -135; i <= 135; ++i) {
+    const double angle = 0.37 * i;
     const double wrapped = wrap_angle(angle);
     EXPECT_GE(wrapped, -M_PI);
     EXPECT_LT(wrapped, M_PI);

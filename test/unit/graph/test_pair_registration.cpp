@@ -129,9 +129,9 @@ TEST(EvaluatePair, TheEndOfAPlaneHoldsNothingAlongThePlane) {
   const voxnav::geometry::Aabb box{Vec3(-8, -8, -2), Vec3(8, 8, 2)};
   const auto ground = [](double first, double last) {
     std::vector<SurfacePoint> points;
-    for (double x = first; x < last; x += 0.4) {
-      for (double y = -4.0; y < 4.0; y += 0.4)
-        points.push_back({Vec3(x, y, 0.05).cast<float>(), voxnav::geometry::Vec3f::UnitZ(), 0.8f});
+    for (int i = 0; first + 0.4 * i < last; ++i) {
+      for (int j = -10; j < 10; ++j)
+        points.push_back({Vec3(first + 0.4 * i, 0.4 * j, 0.05).cast<float>(), voxnav::geometry::Vec3f::UnitZ(), 0.8f});
     }
     return points;
   };
