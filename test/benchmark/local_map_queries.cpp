@@ -165,8 +165,8 @@ BENCHMARK(ray_of_20_m);
 BENCHMARK(ray_octomap);
 BENCHMARK(corridor_60_m)->Unit(::benchmark::kMicrosecond);
 BENCHMARK(occupied_points)->Unit(::benchmark::kMicrosecond);
-BENCHMARK(octomap_message<false>)->Unit(::benchmark::kMillisecond);
-BENCHMARK(octomap_message<true>)->Unit(::benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(octomap_message, false)->Unit(::benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(octomap_message, true)->Unit(::benchmark::kMillisecond);
 BENCHMARK(octomap_message_by_octomap)->Unit(::benchmark::kMillisecond);
 BENCHMARK(window_move)->Unit(::benchmark::kMicrosecond)->Iterations(40);
 

@@ -126,14 +126,14 @@ bool FenceRaster::mask(const Index3& block, BlockMask* hard) const {
 std::unique_ptr<BlockMask> FenceRaster::make_mask(const Cover& there, int z) const {
   auto out = std::make_unique<BlockMask>();
   const int lowest = z * kSide;
-  for (int column = 0; column < kColumns; ++column) {
-    std::uint32_t bits = there.outside[static_cast<std::size_t>(column)] ? kWholeColumn : 0u;
+  for (std::size_t column = 0; column < kColumns; ++column) {
+    std::uint32_t bits = there.outside[column] ? kWholeColumn : 0u;
     for (const ZoneBands& zone : there.zones) {
-      const Band& band = zone.bands[static_cast<std::size_t>(column)];
+      const Band& band = zone.bands[column];
       const int low = std::max(0, band.low - lowest), high = std::min(kSide - 1, band.high - lowest);
       if (low <= high) bits |= ((2u << high) - 1u) & ~((1u << low) - 1u);
     }
-    for (; bits != 0; bits &= bits - 1) out->set(static_cast<std::size_t>(__builtin_ctz(bits) * kColumns + column));
+    for (; bits != 0; bits &= bits - 1) out->set(static_cast<std::size_t>(__builtin_ctz(bits)) * kColumns + column);
   }
   return out;
 }

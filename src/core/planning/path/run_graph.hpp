@@ -60,10 +60,11 @@ class RunGraph {
     geometry::Index3 place{std::numeric_limits<std::int32_t>::min(), 0, 0};
     const Tower* tower = nullptr;
   };
-  static constexpr int kRecentSide = 4;
+  static constexpr std::size_t kRecentSide = 4;
 
   const Tower* tower(int x, int y) {
-    Recent& recent = recent_[(x & (kRecentSide - 1)) + kRecentSide * (y & (kRecentSide - 1))];
+    const std::size_t column = static_cast<std::size_t>(x) % kRecentSide, row = static_cast<std::size_t>(y) % kRecentSide;
+    Recent& recent = recent_[column + kRecentSide * row];
     if (recent.place.x != x || recent.place.y != y) recent = {{x, y, 0}, find_tower(x, y)};
     return recent.tower;
   }
