@@ -59,6 +59,9 @@ P, M       check: far from the trajectory, or the   as it was, a plan is due    
            is not known free, with time for a plan
 P, M       check: farther from the trajectory, or   Planning                  Hover                   brake
            the tracker leads there near by
+P, M       check: the tracker leads off the         as it was, for 0.25 s                             check_flight
+           trajectory, and diagnostics do not tell
+           yet whether another node commands it
 P, M       check: without a trajectory, in motion   Planning                  Hover                   check_rest
            towards what is not known free
 any        check: the way of an accepted hover is   as it was                 Hover, other means      check_stop
