@@ -56,6 +56,14 @@ BlockColumns columns_of(const BlockMask& mask) {
   return out;
 }
 
+std::array<std::uint16_t, geometry::kBlockSide> rows_of(const BlockColumns& columns) {
+  std::array<std::uint16_t, kSide> out{};
+  for (int i = 0; i < kColumns; ++i) {
+    if (columns[i] != 0) out[i / kSide] = static_cast<std::uint16_t>(out[i / kSide] | 1u << (i % kSide));
+  }
+  return out;
+}
+
 void ColumnRange::extend(const ColumnRange& other) {
   x0 = std::min(x0, other.x0);
   y0 = std::min(y0, other.y0);

@@ -21,6 +21,9 @@ inline int column_at(int x, int y) { return x + geometry::kBlockSide * y; }
 void columns_of(const StateBlock& states, BlockColumns* occupied, BlockColumns* unknown);
 BlockColumns columns_of(const BlockMask& mask);
 
+/// The columns that are not empty: a word for each y, in it a bit for each x.
+std::array<std::uint16_t, geometry::kBlockSide> rows_of(const BlockColumns& columns);
+
 /// Columns x0 <= x < x1, y0 <= y < y1 of a block, or of a block and what surrounds it; none at first.
 struct ColumnRange {
   int x0 = 1 << 20;

@@ -32,7 +32,8 @@ struct ClearanceBlock {
   StateBlock states;
   BlockColumns occupied{};
   BlockColumns unknown{};
-  BlockColumns hard{};  ///< forbidden by the view or outside its bounds
+  std::array<std::uint16_t, geometry::kBlockSide> occupied_rows{};  ///< by y: bit x of columns with occupied voxels
+  BlockColumns hard{};                                              ///< forbidden by the view or outside its bounds
   BlockColumns soft{};  ///< forbidden by the view unless all is known within the safety distance
   bool has_hard = false;
   bool has_soft = false;

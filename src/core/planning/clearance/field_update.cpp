@@ -129,6 +129,7 @@ void FieldUpdate::read_block(const Index3& index) {
     block.states = states;
     const BlockColumns occupied = block.occupied, unknown = block.unknown;
     columns_of(states, &block.occupied, &block.unknown);
+    block.occupied_rows = rows_of(block.occupied);
     spread(index, change_of(occupied, block.occupied), &Work::to_occupied);
     spread(index, change_of(unknown, block.unknown), &Work::to_unknown);
   }

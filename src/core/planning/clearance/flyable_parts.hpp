@@ -42,12 +42,12 @@ class FlyableParts {
 
 /// Calls fn(lowest z, highest z) for each run of set bits of a column, lowest first.
 template <class Fn>
-void for_each_run(std::uint32_t bits, Fn fn) {
+void for_each_run(std::uint64_t bits, Fn fn) {
   while (bits != 0) {
-    const int low = __builtin_ctz(bits);
-    const int length = __builtin_ctz(~(bits >> low));
-    fn(low, low + length - 1);
-    bits &= ~(((1u << length) - 1u) << low);
+    // The carry clears the lowest run and sets the bit above it, if there is one.
+    const std::uint64_t carried = bits + (bits & (~bits + 1));
+    fn(__builtin_ctzll(bits), carried != 0 ? __builtin_ctzll(carried) - 1 : 63);
+    bits &= carried;
   }
 }
 

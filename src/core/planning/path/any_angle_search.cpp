@@ -71,7 +71,8 @@ bool AnyAngleSearch::check_sight(Number number) {
       best = place(from).cost + *step;
       parent = from;
     };
-    graph_.for_each_beside(number, [&](Number from, const RunGraph::Step&, int, int) { consider(from); });
+    const auto is_closed = [this](Number from) { return place(from).is_closed; };
+    graph_.for_each_beside(number, is_closed, [&](Number from, const RunGraph::Step&, int, int) { consider(from); });
     const RunGraph::Column column = graph_.column(graph_.node(number).x, graph_.node(number).y);
     if (number > column.first) consider(number - 1);
     if (number + 1 < column.end) consider(number + 1);
@@ -116,7 +117,8 @@ std::optional<double> AnyAngleSearch::step_cost(Number from, Number to) {
 }
 
 void AnyAngleSearch::expand(Number from) {
-  graph_.for_each_beside(from,
+  const auto is_wanted = [this](Number to) { return !place(to).is_closed; };
+  graph_.for_each_beside(from, is_wanted,
                          [&](Number to, const RunGraph::Step&, int low, int high) { relax(from, to, low, high); });
   const RunGraph::Node node = graph_.node(from);
   const RunGraph::Column column = graph_.column(node.x, node.y);

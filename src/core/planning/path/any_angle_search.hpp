@@ -55,7 +55,7 @@ class AnyAngleSearch {
   geometry::Vec3 start_;
   Number start_run_ = RunGraph::kNone;
   std::vector<Place> places_;
-  OpenList<double, RunGraph::Number> open_;
+  OpenList<double, RunGraph::Number> open_{1.0 / kSlotsPerEdge};
   std::uint64_t expansions_ = 0;
 };
 

@@ -26,9 +26,10 @@ class BoundSearch {
   static constexpr std::uint64_t kStraight = 29;
   static constexpr std::uint64_t kDiagonal = 41;
   static constexpr std::uint64_t kVertical = 9;
+  static constexpr std::uint64_t kUnit = kStraight * 2 * kUnitCost;
 
   BoundSearch(RunGraph* graph, RunGraph::Number goal, double weight = 1.0)
-      : graph_(*graph), goal_(goal), weight_(weight) {}
+      : graph_(*graph), goal_(goal), goal_node_(graph->node(goal)), weight_(weight) {}
 
   End run(RunGraph::Number start, WorkBudget* budget);
 
@@ -44,24 +45,35 @@ class BoundSearch {
   std::size_t memory_bytes() const { return reached_.capacity() * sizeof(Reached) + open_.memory_bytes(); }
 
  private:
-  struct Reached {
-    std::uint64_t cost = ~std::uint64_t{0};
-    bool is_closed = false;
+  /// The cost of a run and whether it was expanded, in one word.
+  class Reached {
+   public:
+    std::uint64_t cost() const { return word_ >> 1; }
+    bool is_closed() const { return (word_ & 1u) != 0; }
+    /// Whether a way at this cost is an improvement, which no expanded run takes.
+    bool is_dearer(std::uint64_t cost) const { return cost < (word_ >> 1) && (word_ & 1u) == 0; }
+    void set_cost(std::uint64_t cost) { word_ = cost << 1; }
+    void close() { word_ |= 1u; }
+
+   private:
+    std::uint64_t word_ = ~std::uint64_t{1};
   };
 
-  std::uint64_t heuristic(RunGraph::Number number) const;
+  std::uint64_t heuristic(const RunGraph::Node& node) const;
   Reached& reached(RunGraph::Number number) {
     if (number >= reached_.size()) reached_.resize(graph_.size());
     return reached_[number];
   }
   void expand(RunGraph::Number from, std::uint64_t cost);
   void relax(RunGraph::Number to, std::uint64_t cost);
+  void reach(RunGraph::Number to, std::uint64_t cost);
 
   RunGraph& graph_;
   RunGraph::Number goal_;
+  RunGraph::Node goal_node_;
   double weight_;
   std::vector<Reached> reached_;
-  OpenList<std::uint64_t, RunGraph::Number> open_;
+  OpenList<std::uint64_t, RunGraph::Number> open_{kUnit / kSlotsPerEdge};
   std::uint64_t expansions_ = 0;
   std::uint64_t last_f_ = 0;  ///< no run that was not expanded has a lower sum of cost and heuristic
 };

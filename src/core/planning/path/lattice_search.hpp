@@ -53,7 +53,7 @@ class LatticeSearch {
   geometry::Index3 start_;
   std::vector<std::uint32_t> first_cell_;  ///< place of a run's lowest cell in cells_, kNone before it is touched
   std::vector<Cell> cells_;
-  OpenList<double, Place> open_;
+  OpenList<double, Place> open_{1.0 / kSlotsPerEdge};
   std::uint64_t expansions_ = 0;
 };
 

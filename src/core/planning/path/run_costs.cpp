@@ -16,6 +16,7 @@ RunCosts::RunCosts(const ClearanceField& field, const PathPlannerConfig& config,
     : field_(field.impl()), config_(config), start_(start) {
   const double resolution = field.resolution_m();
   has_start_rules_ = config.unknown_policy == UnknownPolicy::kOptimisticFar;
+  is_known_only_ = config.unknown_policy == UnknownPolicy::kForbid;
   const double known = has_start_rules_ ? config.known_distance_m : 0.0;
   const double safety = field_.clearance_m() / resolution;
   const double clearance = std::max(safety, config.clearance_distance_m / resolution);
@@ -61,9 +62,13 @@ void RunCosts::find_tower(int x, int y, std::vector<TowerBlock>* tower) const {
   }
 }
 
-std::uint16_t RunCosts::enterable(const TowerBlock& in, int x, int y) const {
+bool RunCosts::is_plain(const std::vector<TowerBlock>& tower) const {
+  const auto is_plain = [](const TowerBlock& in) { return in.block == nullptr || in.is_uniform; };
+  return is_known_only_ && tower.size() * kSide <= 64 && std::all_of(tower.begin(), tower.end(), is_plain);
+}
+
+std::uint16_t RunCosts::enterable_unknown(const TowerBlock& in, int x, int y) const {
   const int column = column_at(x & (kSide - 1), y & (kSide - 1));
-  if (config_.unknown_policy == UnknownPolicy::kForbid) return in.block != nullptr ? in.block->flyable[column] : 0;
   std::uint32_t out = 0;
   if (in.block != nullptr) {
     out = in.block->passable[column];
@@ -79,6 +84,22 @@ std::uint16_t RunCosts::enterable(const TowerBlock& in, int x, int y) const {
     if (is_near_start({x, y, in.lowest_z + z})) out &= ~(1u << z);
   }
   return static_cast<std::uint16_t>(out);
+}
+
+int RunCosts::last_alike(const TowerBlock& in, int column, int low, int high) const {
+  if (in.block == nullptr) return high;
+  // Near the start, a cell's place decides as well.
+  if (in.touches_start_range) return low;
+  const std::uint32_t unknown = in.block->unknown[column];
+  const ClearanceDistances* distances = in.block->to_occupied.get();
+  const std::int16_t* squared =
+      distances != nullptr ? &(*distances)[static_cast<std::size_t>(kSide * column)] : nullptr;
+  int z = low;
+  while (z < high && ((unknown ^ (unknown >> 1)) >> z & 1u) == 0 &&
+         (squared == nullptr || squared[z + 1] == squared[low])) {
+    ++z;
+  }
+  return z;
 }
 
 CellCost RunCosts::cost_of(const ClearanceBlock* block, const geometry::Index3& voxel) const {

@@ -3,21 +3,6 @@
 
 namespace voxnav::planning {
 
-RunGraph::Column RunGraph::column(int x, int y) {
-  const Tower* found = tower(x >> geometry::kBlockShift, y >> geometry::kBlockShift);
-  if (found == nullptr) return {};
-  const int at = column_at(x & (geometry::kBlockSide - 1), y & (geometry::kBlockSide - 1));
-  return {found->first[at], found->first[at + 1]};
-}
-
-RunGraph::Number RunGraph::find(const geometry::Index3& voxel) {
-  const Column there = column(voxel.x, voxel.y);
-  for (Number n = there.first; n < there.end; ++n) {
-    if (nodes_[n].run.low <= voxel.z && voxel.z <= nodes_[n].run.high) return n;
-  }
-  return kNone;
-}
-
 std::size_t RunGraph::memory_bytes() const {
   return nodes_.capacity() * sizeof(Node) + towers_.size() * (sizeof(Tower) + 64);
 }
@@ -42,12 +27,20 @@ const RunGraph::Tower* RunGraph::make_tower(int x, int y) {
   costs_.find_tower(x, y, &blocks_);
   towers_.push_back(std::make_unique<Tower>());
   Tower& made = *towers_.back();
+  const bool is_plain = costs_.is_plain(blocks_);
   for (int i = 0; i < kColumns; ++i) {
     made.first[i] = static_cast<Number>(nodes_.size());
     const int column_x = x + i % geometry::kBlockSide, column_y = y + i / geometry::kBlockSide;
-    costs_.for_each_run_of(blocks_, column_x, column_y, [&](const CellRun& run) {
-      nodes_.push_back({column_x, column_y, run});
-    });
+    if (is_plain) {
+      const int lowest = blocks_.front().lowest_z;
+      for_each_run(RunCosts::plain_column(blocks_, i), [&](int low, int high) {
+        nodes_.push_back({column_x, column_y, {lowest + low, lowest + high, kUnitCost}});
+      });
+    } else {
+      costs_.for_each_run_of(blocks_, column_x, column_y, [&](const CellRun& run) {
+        nodes_.push_back({column_x, column_y, run});
+      });
+    }
   }
   made.first[kColumns] = static_cast<Number>(nodes_.size());
   by_place_.emplace(geometry::Index3{x >> geometry::kBlockShift, y >> geometry::kBlockShift, 0}, &made);

@@ -24,6 +24,7 @@ class RunGraph {
   struct Column {
     Number first = 0;
     Number end = 0;
+    bool is_empty() const { return first == end; }
   };
   struct Step {
     int dx;
@@ -36,19 +37,54 @@ class RunGraph {
   RunGraph(const RunCosts* costs, std::size_t max_bytes) : costs_(*costs), max_bytes_(max_bytes) {}
 
   /// Makes the column's tower if need be.
-  Column column(int x, int y);
+  Column column(int x, int y) {
+    const Tower* found = tower(x >> geometry::kBlockShift, y >> geometry::kBlockShift);
+    if (found == nullptr) return {};
+    const int at = column_at(x & (geometry::kBlockSide - 1), y & (geometry::kBlockSide - 1));
+    return {found->first[at], found->first[at + 1]};
+  }
   /// The run that holds a voxel, kNone if it may not be entered.
-  Number find(const geometry::Index3& voxel);
+  Number find(const geometry::Index3& voxel) {
+    const Column there = column(voxel.x, voxel.y);
+    for (Number n = there.first; n < there.end; ++n) {
+      if (nodes_[n].run.low <= voxel.z && voxel.z <= nodes_[n].run.high) return n;
+    }
+    return kNone;
+  }
   const Node& node(Number number) const { return nodes_[number]; }
   std::size_t size() const { return nodes_.size(); }
   bool has_refused() const { return has_refused_; }
   std::size_t memory_bytes() const;
   const RunCosts& costs() const { return costs_; }
 
+  /// The columns at all steps from a run; no other call is needed to make them. Most lie in the tower of the run.
+  std::array<Column, 8> columns_beside(const Node& node) {
+    constexpr int kLast = geometry::kBlockSide - 1;
+    const int x = node.x & kLast, y = node.y & kLast;
+    std::array<Column, 8> out;
+    if (x > 0 && x < kLast && y > 0 && y < kLast) {
+      const Number* first = &tower(node.x >> geometry::kBlockShift, node.y >> geometry::kBlockShift)->first[0];
+      for (int i = 0; i < 8; ++i) {
+        const int at = column_at(x + kSteps[i].dx, y + kSteps[i].dy);
+        out[i] = {first[at], first[at + 1]};
+      }
+    } else {
+      for (int i = 0; i < 8; ++i) out[i] = column(node.x + kSteps[i].dx, node.y + kSteps[i].dy);
+    }
+    return out;
+  }
+  /// Whether a column has a run that shares heights with a range.
+  bool opens_within(const Column& column, int low, int high) const {
+    for (Number n = column.first; n < column.end; ++n) {
+      if (nodes_[n].run.low <= high && nodes_[n].run.high >= low) return true;
+    }
+    return false;
+  }
   /// Calls fn(number, step, lowest and highest common z) for the runs beside a run that share heights with it, where
   /// all columns that a diagonal step touches may be entered. Searches that call it see each run as one place.
-  template <class Fn>
-  void for_each_beside(Number from, Fn fn);
+  /// @param is_wanted  function of a number that returns false for runs to be passed over
+  template <class Wanted, class Fn>
+  void for_each_beside(Number from, Wanted is_wanted, Fn fn);
 
  private:
   struct Tower {
@@ -71,13 +107,6 @@ class RunGraph {
   /// Null outside the bounds, and beyond the allowed memory.
   const Tower* find_tower(int x, int y);
   const Tower* make_tower(int x, int y);
-  bool opens_within(const Column& column, int low, int high) const {
-    for (Number n = column.first; n < column.end; ++n) {
-      if (nodes_[n].run.low <= high && nodes_[n].run.high >= low) return true;
-    }
-    return false;
-  }
-
   const RunCosts& costs_;
   std::size_t max_bytes_;
   bool has_refused_ = false;
@@ -88,19 +117,19 @@ class RunGraph {
   std::array<Recent, kRecentSide * kRecentSide> recent_;
 };
 
-template <class Fn>
-void RunGraph::for_each_beside(Number from, Fn fn) {
+template <class Wanted, class Fn>
+void RunGraph::for_each_beside(Number from, Wanted is_wanted, Fn fn) {
   const Node here = nodes_[from];
-  std::array<Column, 4> straight;
+  const std::array<Column, 8> beside = columns_beside(here);
   for (int i = 0; i < 8; ++i) {
     const Step step = kSteps[i];
-    const Column there = column(here.x + step.dx, here.y + step.dy);
-    if (i < 4) straight[i] = there;
-    for (Number n = there.first; n < there.end; ++n) {
+    // Most diagonal steps are out of the question already because a column beside them is closed.
+    if (i >= 4 && (beside[step.dx > 0 ? 0 : 1].is_empty() || beside[step.dy > 0 ? 2 : 3].is_empty())) continue;
+    for (Number n = beside[i].first; n < beside[i].end; ++n) {
       const int low = std::max(here.run.low, nodes_[n].run.low), high = std::min(here.run.high, nodes_[n].run.high);
-      if (low > high) continue;
-      if (i >= 4 && !(opens_within(straight[step.dx > 0 ? 0 : 1], low, high) &&
-                      opens_within(straight[step.dy > 0 ? 2 : 3], low, high))) {
+      if (low > high || !is_wanted(n)) continue;
+      if (i >= 4 && !(opens_within(beside[step.dx > 0 ? 0 : 1], low, high) &&
+                      opens_within(beside[step.dy > 0 ? 2 : 3], low, high))) {
         continue;
       }
       fn(n, step, low, high);

@@ -50,7 +50,8 @@ bool RunSearch::opens_at(int x, int y, double height) {
 void RunSearch::expand(Number from) {
   const RunGraph::Node node = graph_.node(from);
   const double here = place(from).height;
-  graph_.for_each_beside(from, [&](Number to, const RunGraph::Step& step, int low, int high) {
+  const auto is_wanted = [this](Number to) { return !place(to).is_closed; };
+  graph_.for_each_beside(from, is_wanted, [&](Number to, const RunGraph::Step& step, int low, int high) {
     const double height = std::min(std::max(here, low + 0.5), high + 0.5);
     const bool is_diagonal = step.dx != 0 && step.dy != 0;
     if (is_diagonal && !(opens_at(node.x + step.dx, node.y, height) && opens_at(node.x, node.y + step.dy, height))) {

@@ -48,7 +48,7 @@ class RunSearch {
   double weight_;
   geometry::Vec3 goal_;
   std::vector<Place> places_;
-  OpenList<double, RunGraph::Number> open_;
+  OpenList<double, RunGraph::Number> open_{1.0 / kSlotsPerEdge};
   std::uint64_t expansions_ = 0;
 };
 

@@ -23,6 +23,17 @@ geometry::Aabb box_of(const VoxelBox& run) {
   return {Vec3(run.low.x, run.low.y, run.low.z), Vec3(run.high.x + 1, run.high.y + 1, run.high.z + 1)};
 }
 
+geometry::Index3 index_at(const Vec3& p) {
+  const auto floor_of = [](double value) {
+    const int truncated = static_cast<int>(value);
+    return truncated - (value < truncated ? 1 : 0);
+  };
+  return {floor_of(p.x()), floor_of(p.y()), floor_of(p.z())};
+}
+
+/// The gap between a range and a voxel on one axis, 0 if they overlap.
+double gap(double least, double most, int voxel) { return std::max({least - (voxel + 1), voxel - most, 0.0}); }
+
 /// Whether all pieces of a segment are as `is_good` wants them.
 template <class Fn>
 bool all_pieces(const Vec3& from, const Vec3& to, Fn is_good) {
@@ -60,7 +71,8 @@ bool is_nearer(const Vec3& from, const Vec3& to, const geometry::Aabb& box, doub
 bool SegmentClearance::is_clear(const Vec3& from, const Vec3& to) const {
   ++num_checks_;
   if (distance_ <= 0.0) return true;
-  return all_pieces(from, to, [this](const Vec3& a, const Vec3& b) { return is_piece_clear(a, b); });
+  return all_pieces(from, to,
+                    [this](const Vec3& a, const Vec3& b) { return is_piece_clear(a, b, 0.5 * (b - a).norm()); });
 }
 
 bool SegmentClearance::is_known(const Vec3& from, const Vec3& to) const {
@@ -82,39 +94,69 @@ bool SegmentClearance::is_piece_known(const Vec3& from, const Vec3& to) const {
 }
 
 SegmentClearance::Room SegmentClearance::room_at(const geometry::Index3& voxel) const {
-  const geometry::Index3 index = geometry::block_of(voxel);
-  if (!has_last_block_ || index != last_index_) {
-    last_block_ = field_.block_of(voxel);
-    last_index_ = index;
-    has_last_block_ = true;
-  }
+  const ClearanceBlock* block = block_at(geometry::block_of(voxel));
   // Blocks that the field does not hold are far from obstacles.
-  if (last_block_ == nullptr || last_block_->to_occupied == nullptr) return {field_.radius_voxels(), false};
+  if (block == nullptr || block->to_occupied == nullptr) return {radius_, false};
   const int offset = geometry::offset_in_block(voxel);
-  const int squared = (*last_block_->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
+  const int squared = (*block->to_occupied)[geometry::kBlockSide * (offset % kColumns) + offset / kColumns];
   const double distance = 0.5 * std::sqrt(static_cast<double>(squared));
-  if (distance < field_.radius_voxels()) return {distance, true};
-  return {field_.radius_voxels(), false};
+  if (distance < radius_) return {distance, true};
+  return {radius_, false};
 }
 
 /// The distance at the middle decides most pieces, since it changes by no more than the way that one goes; what it
 /// leaves open is halved, and compared with the obstacles themselves when it is short.
-bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to) const {
+/// @param half  half of its length
+bool SegmentClearance::is_piece_clear(const Vec3& from, const Vec3& to, double half) const {
   const Vec3 middle = 0.5 * (from + to);
-  const geometry::Index3 voxel = geometry::index_of(middle, 1.0);
+  const geometry::Index3 voxel = index_at(middle);
   const Room room = room_at(voxel);
-  const double aside = (middle - geometry::center_of(voxel, 1.0)).norm(), half = 0.5 * (to - from).norm();
+  const double aside = (middle - geometry::center_of(voxel, 1.0)).norm();
   if (room.distance - aside - half >= distance_) return true;
   if (room.is_exact && room.distance + aside < distance_ - kTolerance) return false;
-  if (half > kShortestHalf) return is_piece_clear(from, middle) && is_piece_clear(middle, to);
+  if (half > kShortestHalf) {
+    return is_piece_clear(from, middle, 0.5 * half) && is_piece_clear(middle, to, 0.5 * half);
+  }
+  return is_exactly_clear(from, to);
+}
+
+bool SegmentClearance::is_exactly_clear(const Vec3& from, const Vec3& to) const {
   const Vec3 reach = Vec3::Constant(distance_);
-  const VoxelBox near{geometry::index_of(from.cwiseMin(to) - reach, 1.0),
-                      geometry::index_of(from.cwiseMax(to) + reach, 1.0)};
+  const VoxelBox near{index_at(from.cwiseMin(to) - reach), index_at(from.cwiseMax(to) + reach)};
+  const geometry::Index3 low = geometry::block_of(near.low), high = geometry::block_of(near.high);
+  for (int z = low.z; z <= high.z; ++z) {
+    for (int y = low.y; y <= high.y; ++y) {
+      for (int x = low.x; x <= high.x; ++x) {
+        const ClearanceBlock* block = block_at({x, y, z});
+        if (block != nullptr && !is_clear_in(*block, part_in(near, {x, y, z}), {from, to})) return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Whether a piece is clear of the occupied voxels of a part of a block.
+bool SegmentClearance::is_clear_in(const ClearanceBlock& block, const VoxelBox& part, const Piece& piece) const {
+  const geometry::Index3 first = geometry::voxel_at(block.index, 0);
+  const Vec3 least = piece.from.cwiseMin(piece.to), most = piece.from.cwiseMax(piece.to);
+  const std::uint32_t heights = ((2u << part.high.z) - 1u) & ~((1u << part.low.z) - 1u);
   bool is_clear = true;
-  field_.for_each_occupied(near, [&](const VoxelBox& run) {
-    is_clear = is_clear && !is_nearer(from, to, box_of(run), distance_ - kTolerance);
-  });
-  return is_clear;
+  const std::uint32_t width = ((2u << part.high.x) - 1u) & ~((1u << part.low.x) - 1u);
+  for (int y = part.low.y; y <= part.high.y; ++y) {
+    const double across = gap(least.y(), most.y(), first.y + y);
+    for (std::uint32_t row = block.occupied_rows[y] & width; row != 0; row &= row - 1) {
+      const int x = __builtin_ctz(row);
+      const std::uint32_t bits = block.occupied[column_at(x, y)] & heights;
+      const double along = gap(least.x(), most.x(), first.x + x);
+      if (along * along + across * across >= distance_ * distance_) continue;
+      for_each_run(bits, [&](int z0, int z1) {
+        const VoxelBox run{first + geometry::Index3{x, y, z0}, first + geometry::Index3{x, y, z1}};
+        is_clear = is_clear && !is_nearer(piece.from, piece.to, box_of(run), distance_ - kTolerance);
+      });
+      if (!is_clear) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace voxnav::planning

@@ -15,21 +15,24 @@ constexpr double kTolerance = 1e-9;
 constexpr double kLeastGain = 5e-4;
 constexpr int kMaxRounds = 12;
 constexpr int kBisections = 5;
+constexpr double kShortestPull = 1.0 / 32.0;
 /// Cutting a corner that gains less than this share of a voxel edge is not worth a turn more.
 constexpr double kLeastCut = 0.01;
+/// A turn that moved by less [voxel edges] has come to rest.
+constexpr double kLeastMove = 0.02;
 
 }  // namespace
 
 std::vector<Vec3> PathShortening::run(const std::vector<Vec3>& sights) {
   make_clear(sights);
   leave_out();
-  for (int round = 0; round < kMaxRounds && !is_spent(); ++round) {
+  for (round_ = 1; round_ <= kMaxRounds && !is_spent(); ++round_) {
     const double before = total();
     for (std::size_t i = 1; i + 1 < turns_.size() && !is_spent(); ++i) {
-      if (pull(i)) --i;
+      if (is_in_motion(i) && pull(i)) --i;
     }
     for (std::size_t i = 1; i + 1 < turns_.size() && !is_spent(); ++i) {
-      if (cut_corner(i)) ++i;
+      if (is_in_motion(i) && cut_corner(i)) ++i;
     }
     if (total() > before * (1.0 - kLeastGain)) break;
   }
@@ -103,9 +106,15 @@ bool PathShortening::replace(std::size_t at, const Vec3& point) {
   if (!to) return false;
   const auto from = segment_cost(point, turns_[at + 1].point);
   if (!from || *to + *from > turns_[at].cost + turns_[at + 1].cost - kTolerance) return false;
-  turns_[at] = {point, *to};
+  turns_[at].point = point;
+  turns_[at].cost = *to;
   turns_[at + 1].cost = *from;
   return true;
+}
+
+/// Notes that a turn has changed: what was tried in vain with it, or with those beside it, may succeed now.
+void PathShortening::touch(std::size_t at) {
+  for (std::size_t i = at == 0 ? 0 : at - 1; i <= at + 1 && i < turns_.size(); ++i) turns_[i].changed = round_;
 }
 
 /// Pulls a turn towards the line between its neighbours; returns true if it was left out.
@@ -115,15 +124,20 @@ bool PathShortening::pull(std::size_t at) {
   if (cost && *cost <= turns_[at].cost + turns_[at + 1].cost + kTolerance) {
     turns_[at + 1].cost = *cost;
     turns_.erase(turns_.begin() + static_cast<std::ptrdiff_t>(at));
+    touch(at - 1);
+    touch(at);
     return true;
   }
   const double before = (turn - a).norm(), after = (b - turn).norm();
   const Vec3 aim = a + (b - a) * (before / std::max(before + after, kTolerance));
-  double low = 0.0, high = 1.0;
+  // Most turns lie at an obstacle already, where not even the shortest step leads on.
+  double low = kShortestPull, high = 1.0;
+  if (!replace(at, turn + (aim - turn) * low)) return false;
   for (int i = 0; i < kBisections; ++i) {
     const double middle = 0.5 * (low + high);
     (replace(at, turn + (aim - turn) * middle) ? low : high) = middle;
   }
+  if ((turns_[at].point - turn).norm() > kLeastMove) touch(at);
   return false;
 }
 
@@ -142,6 +156,8 @@ bool PathShortening::cut_corner(std::size_t at) {
     turns_[at + 1].cost = *from;
     turns_[at] = {second, *chord};
     turns_.insert(turns_.begin() + static_cast<std::ptrdiff_t>(at), {first, *to});
+    touch(at);
+    touch(at + 1);
     return true;
   }
   return false;

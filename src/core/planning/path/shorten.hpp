@@ -24,6 +24,7 @@ class PathShortening {
   struct Turn {
     geometry::Vec3 point;
     double cost = 0.0;
+    int changed = 0;  ///< the last round in which it, or one beside it, was moved, left out or made
   };
 
   std::optional<double> segment_cost(const geometry::Vec3& from, const geometry::Vec3& to);
@@ -32,6 +33,9 @@ class PathShortening {
   bool pull(std::size_t at);
   bool cut_corner(std::size_t at);
   bool replace(std::size_t at, const geometry::Vec3& point);
+  void touch(std::size_t at);
+  /// Whether a turn or one beside it has changed since it was tried.
+  bool is_in_motion(std::size_t at) const { return turns_[at].changed + 1 >= round_; }
   double total() const;
   bool is_spent() const { return clearance_.num_checks() >= max_checks_; }
 
@@ -39,6 +43,7 @@ class PathShortening {
   const SegmentClearance& clearance_;
   std::uint64_t max_checks_;
   std::vector<Turn> turns_;
+  int round_ = 0;
 };
 
 }  // namespace voxnav::planning

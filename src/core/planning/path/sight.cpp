@@ -11,7 +11,11 @@ using geometry::Vec3;
 
 constexpr double kTolerance = 1e-9;
 
-int floor_of(double value) { return static_cast<int>(std::floor(value)); }
+/// Without the call of a library that std::floor is on older processors.
+int floor_of(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < truncated ? 1 : 0);
+}
 
 /// Walks over the columns under a line.
 /// Source: Amanatides & Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, Eurographics 1987, section 2.
@@ -81,6 +85,12 @@ class SightLine {
   /// Mean cost of the heights of a column, 0 if one of its cells may not be touched.
   double mean_cost(int x, int y, const Heights& heights) {
     const RunGraph::Column column = graph_.column(x, y);
+    if (column.end - column.first == 1) {
+      const CellRun& run = graph_.node(column.first).run;
+      if (run.low <= heights.low - kTolerance && heights.high + kTolerance < run.high + 1) {
+        return static_cast<double>(run.cost) / kUnitCost;
+      }
+    }
     int at = heights.first();
     const int last = heights.last();
     double cost = 0.0;
