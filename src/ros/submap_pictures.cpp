@@ -138,8 +138,9 @@ sensor_msgs::PointCloud2 distance_slice(const submap::EvidenceMap& evidence, con
     const auto num_x = static_cast<std::int64_t>(size.x() / step) + 1;
     const auto num_y = static_cast<std::int64_t>(size.y() / step) + 1;
     for (std::int64_t i = 0; i < num_x * num_y; ++i) {
-      const Vec3 p(bounds.min.x() + static_cast<double>(i % num_x) * step,
-                   bounds.min.y() + static_cast<double>(i / num_x) * step, height_m);
+      const std::int64_t row = i / num_x, column = i % num_x;
+      const Vec3 p(bounds.min.x() + static_cast<double>(column) * step,
+                   bounds.min.y() + static_cast<double>(row) * step, height_m);
       if (evidence.state(p) == voxnav::containers::VoxelState::kUnknown) continue;
       add_row(p, evidence.distance_to_surface(p, max_distance_m).value_or(max_distance_m), &rows);
     }

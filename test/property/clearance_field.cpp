@@ -142,7 +142,7 @@ class BruteForce {
   static constexpr int kHalf = 40;
   static constexpr std::size_t kNumVoxels = std::size_t{8} * kHalf * kHalf * kHalf;
   static std::size_t at(const Index3& v) {
-    const auto part = [](int coordinate) { return static_cast<std::size_t>(coordinate + kHalf); };
+    const auto part = [](int coordinate) { return static_cast<std::size_t>(coordinate) + kHalf; };
     return (part(v.z) * 2 * kHalf + part(v.y)) * 2 * kHalf + part(v.x);
   }
 

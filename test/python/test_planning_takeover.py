@@ -105,6 +105,14 @@ def test_a_reference_just_after_a_trajectory_was_taken_is_noticed_although_it_wa
     assert takeover.taken_over(moving_state(flight=flight(NOW - 0.3, is_tracked=False)), told(RESTING, OURS)) is None
 
 
+def test_diagnostics_from_before_a_trajectory_show_the_hover_of_voxnav_that_it_ended():
+    hovering = Control(True, False, False, state=TrackerState.HOVER)
+    state = moving_state(flight=flight(NOW - 0.1, is_tracked=False))
+    assert takeover.taken_over(state, told(hovering, OURS)) is None
+    later = moving_state(flight=flight(NOW - 0.6, is_tracked=False))
+    assert "let the vehicle hover" in takeover.taken_over(later, told(hovering, OURS))
+
+
 def test_a_prediction_that_leaves_the_trajectory_is_judged_once_diagnostics_tell_who_commands():
     """The tracker is led into unknown space by another node, which its prediction shows before its diagnostics."""
     def seen(now, control_s):

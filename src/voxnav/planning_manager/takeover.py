@@ -59,7 +59,7 @@ def taken_over(state: State, facts: Facts) -> Optional[str]:
         return "after the emergency hover of voxnav a person has to allow commands again"
     if others is not None:
         return "landed" if others.reason is Reason.NOT_FLYING else others.sentence
-    if not control.accepts_goals and stopping is None:
+    if not control.accepts_goals and stopping is None and not _may_be_before(state, timed.stamp_s):
         return "somebody else let the vehicle hover, or took the callbacks of the tracker away"
     return foreign_command(state, timed, facts)
 
@@ -84,6 +84,12 @@ def foreign_command(state: State, timed: Timed[Control], facts: Facts) -> Option
     if not control.has_goal or way_m < REFERENCE_M or _has_just_ended(flight, facts.now_s):
         return None
     return "somebody else sends the vehicle to a place %.1f m away" % way_m
+
+
+def _may_be_before(state: State, stamp_s: float) -> bool:
+    """Returns True for diagnostics that may be from before the flown trajectory: then it is voxnav's own hover."""
+    flight = flight_of(state)
+    return flight is not None and not flight.is_tracked and stamp_s <= flight.taken_s + TAKEN_SHOWS_S
 
 
 def _should_be_tracked(flight: Flight, stamp_s: float) -> bool:
