@@ -99,7 +99,8 @@ class RunGraph {
   static constexpr std::size_t kRecentSide = 4;
 
   const Tower* tower(int x, int y) {
-    const std::size_t column = static_cast<std::size_t>(x) % kRecentSide, row = static_cast<std::size_t>(y) % kRecentSide;
+    const std::size_t column = static_cast<std::size_t>(x) % kRecentSide,
+                      row = static_cast<std::size_t>(y) % kRecentSide;
     Recent& recent = recent_[column + kRecentSide * row];
     if (recent.place.x != x || recent.place.y != y) recent = {{x, y, 0}, find_tower(x, y)};
     return recent.tower;
