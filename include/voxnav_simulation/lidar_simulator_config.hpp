@@ -18,6 +18,7 @@ struct LidarSimulatorConfig {
   std::string body_frame_id = "uav1/fcu";
   int max_marker_triangles = 60000;
   double loss_ratio = 0.0;
+  std::vector<std::string> other_uavs{};
   std::vector<std::string> waiting_nodes{};
   std::vector<std::string> acting_nodes{};
 
@@ -36,6 +37,8 @@ struct LidarSimulatorConfig {
     v("max_marker_triangles", &C::max_marker_triangles, in(0, 2000000), "",
       "triangles of the world shown in rviz, 0 = none; leaves are thinned out first");
     v("loss_ratio", &C::loss_ratio, in(0, 1), "", "share of clouds that are lost on their way, each for itself");
+    v("other_uavs", &C::other_uavs, any(), "",
+      "names of other UAVs of simulators of their own in the same world, whose bodies the sensor sees");
     v("waiting_nodes", &C::waiting_nodes, any(), "",
       "nodes that simulated time waits for after each cloud; a lost one is reported in their place");
     v("acting_nodes", &C::acting_nodes, any(), "",

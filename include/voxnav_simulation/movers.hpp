@@ -24,6 +24,9 @@ struct Mover {
   Vec3 at(voxnav::base::StampNs stamp_ns) const;
 };
 
+/// Returns what another UAV looks like, without a way.
+Mover flyer();
+
 /// Returns the range to a cylinder along a unit direction, with the cosine of incidence; nothing if the ray misses it.
 /// A ray from inside meets nothing.
 struct CylinderHit {

@@ -6,8 +6,11 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "voxnav/base/time.hpp"
+#include "voxnav_simulation/visitors.hpp"
 #include "voxnav_simulation/world.hpp"
 
 namespace voxnav_simulation {
@@ -55,6 +58,8 @@ class Scene {
   /// Moves the vehicle to another place on the ground.
   /// @return false if there is no vehicle, or no ground at that place
   bool move_vehicle(double x, double y, double heading_rad);
+  /// Other simulated UAVs in this world, which are met like those of the world.
+  Visitors& visitors() { return visitors_; }
   /// Returns the pose of the vehicle, or nothing if the world has none.
   std::optional<Pose> vehicle_pose() const;
 
@@ -62,11 +67,14 @@ class Scene {
   struct Device;
   struct Part;
   std::shared_ptr<const Part> vehicle() const;
+  /// All that moves: its shape, and the middle of its bottom at a time.
+  std::vector<std::pair<const Mover*, Vec3>> moving_at(StampNs at_ns) const;
   void cast_at_movers(const Vec3f& origin, const Vec3f* directions, std::size_t count, StampNs at_ns, Hit* hits) const;
 
   World world_;
   std::shared_ptr<Device> device_;
   std::shared_ptr<const Part> static_part_;
+  Visitors visitors_;
   mutable std::mutex mutex_;  ///< guards vehicle_
   std::shared_ptr<const Part> vehicle_;
 };

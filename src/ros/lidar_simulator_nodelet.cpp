@@ -71,6 +71,14 @@ class LidarSimulatorNodelet : public NodeletBase {
   }
 
   void start() override {
+    for (const std::string& name : config_.other_uavs) {
+      const boost::function<void(const nav_msgs::OdometryConstPtr&)> take = [this, name](const auto& msg) {
+        scene_->visitors().note(name, to_ns(msg->header.stamp), from_msg(msg->pose.pose.position));
+      };
+      others_.push_back(getMTPrivateNodeHandle().subscribe<nav_msgs::Odometry>(
+          "/" + name + "/uav_simulator/ground_truth", kTruthQueue, take, ros::VoidConstPtr(),
+          ros::TransportHints().tcpNoDelay()));
+    }
     truth_ = getPrivateNodeHandle().subscribe("ground_truth_in", kTruthQueue, &LidarSimulatorNodelet::on_truth, this,
                                               ros::TransportHints().tcpNoDelay());
   }
@@ -194,6 +202,7 @@ class LidarSimulatorNodelet : public NodeletBase {
   ros::Publisher cloud_, markers_, movers_, progress_;
   ros::ServiceServer move_vehicle_;
   ros::Subscriber truth_;
+  std::vector<ros::Subscriber> others_;  ///< true poses of other UAVs
 };
 
 }  // namespace voxnav_ros

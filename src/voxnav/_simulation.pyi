@@ -210,13 +210,14 @@ class LidarSimulatorConfig:
     body_frame_id: str
     max_marker_triangles: int
     loss_ratio: float
+    other_uavs: Sequence[Any]
     waiting_nodes: Sequence[Any]
     acting_nodes: Sequence[Any]
     def __init__(
         self, *,
         world_yaml: str = ..., seed: int = ..., layout: str = ..., sensor_frame_id: str = ...,
         body_frame_id: str = ..., max_marker_triangles: int = ..., loss_ratio: float = ...,
-        waiting_nodes: Sequence[Any] = ..., acting_nodes: Sequence[Any] = ...
+        other_uavs: Sequence[Any] = ..., waiting_nodes: Sequence[Any] = ..., acting_nodes: Sequence[Any] = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> LidarSimulatorConfig: ...

@@ -8,13 +8,14 @@ namespace voxnav_ros {
 using voxnav::geometry::Pose;
 
 UavFrames::UavFrames(const std::string& uav_name, const std::string& estimator,
-                     const voxnav_simulation::EstimatorSwitchesConfig& second)
+                     const voxnav_simulation::EstimatorSwitchesConfig& second, const voxnav::geometry::Vec3& utm_m)
     : prefix_(uav_name + "/"),
       body_(prefix_ + "fcu"),
       ground_truth_(prefix_ + "ground_truth_origin"),
       estimators_{estimator, second.estimator},
       origins_{prefix_ + estimator + "_origin", prefix_ + second.estimator + "_origin"},
       T_C_O_{Pose::Identity(), Pose::Identity()},
+      T_O_utm_(Eigen::Translation3d(-utm_m)),
       listener_(buffer_) {
   Pose T_O_second(Eigen::AngleAxisd(second.offset_heading_rad, voxnav::geometry::Vec3::UnitZ()));
   T_O_second.translation() = voxnav::geometry::Vec3(second.offset_m[0], second.offset_m[1], second.offset_m[2]);
@@ -45,6 +46,7 @@ std::vector<geometry_msgs::TransformStamped> UavFrames::tree(const voxnav_simula
   const Pose T_B_O = uav.estimate().pose.inverse();
   for (std::size_t i = 0; i < origins_.size(); ++i) add(origins_[i], T_B_O * T_C_O_[i].inverse());
   add(prefix_ + "world_origin", T_B_O);
+  add(prefix_ + "utm_origin", T_B_O * T_O_utm_);
   add(ground_truth_, uav.truth().pose.inverse());
   const Pose T_O_untilted = voxnav::geometry::gravity_aligned(uav.estimate().pose);
   add(prefix_ + "fcu_untilted", T_B_O * T_O_untilted);

@@ -22,8 +22,9 @@ namespace voxnav_ros {
 /// of the active one. Switches may be read and made by any thread.
 class UavFrames {
  public:
+  /// @param utm_m  UTM coordinates of the origin of O
   UavFrames(const std::string& uav_name, const std::string& estimator,
-            const voxnav_simulation::EstimatorSwitchesConfig& second);
+            const voxnav_simulation::EstimatorSwitchesConfig& second, const voxnav::geometry::Vec3& utm_m);
 
   const std::string& body() const { return body_; }
   /// The origin of the active estimator, in which the vehicle is controlled.
@@ -51,6 +52,7 @@ class UavFrames {
   std::string prefix_, body_, ground_truth_;
   std::array<std::string, 2> estimators_, origins_;
   std::array<voxnav::geometry::Pose, 2> T_C_O_;
+  voxnav::geometry::Pose T_O_utm_;
   std::atomic<std::size_t> active_{0};
   std::atomic<std::uint32_t> num_switches_{0};
   tf2_ros::Buffer buffer_;

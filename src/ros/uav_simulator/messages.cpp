@@ -2,6 +2,7 @@
 #include "messages.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 #include "voxnav_ros/conversions.hpp"
 
@@ -103,6 +104,24 @@ mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& heade
     *use = 1;
   }
   fill_prediction(uav, header, frames, &out.full_state_prediction);
+  return out;
+}
+
+/// As in MRS, the number in the name is the priority, and single precision rounds the places.
+mrs_msgs::FutureTrajectory future_trajectory(Uav* uav, const ros::Time& stamp, const UavSimulatorConfig& config) {
+  mrs_msgs::FutureTrajectory out;
+  out.stamp = stamp;
+  out.uav_name = config.uav_name;
+  int number = 0;
+  if (std::sscanf(config.uav_name.c_str(), "uav%d", &number) == 1) out.priority = number;
+  for (int i = 0; i < kNumPredicted; ++i) {
+    const Vec3 place = uav->predicted(predicted_ahead_s(i)).position;
+    mrs_msgs::FuturePoint point;
+    point.x = static_cast<float>(place.x() + config.utm_east_m);
+    point.y = static_cast<float>(place.y() + config.utm_north_m);
+    point.z = static_cast<float>(place.z());
+    out.points.push_back(point);
+  }
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <mrs_msgs/ConstraintManagerDiagnostics.h>
 #include <mrs_msgs/ControlManagerDiagnostics.h>
 #include <mrs_msgs/EstimationDiagnostics.h>
+#include <mrs_msgs/FutureTrajectory.h>
 #include <mrs_msgs/RtkGps.h>
 #include <mrs_msgs/TrackerCommand.h>
 #include <mrs_msgs/UavManagerDiagnostics.h>
@@ -38,6 +39,8 @@ nav_msgs::Odometry odometry(const BodyState& state, const std_msgs::Header& head
 mrs_msgs::UavState uav_state(const Uav& uav, const std_msgs::Header& header, const UavFrames& frames);
 /// The tracker's command with its prediction of 40 samples, which holds until the next command.
 mrs_msgs::TrackerCommand tracker_command(Uav* uav, const std_msgs::Header& header, const UavFrames& frames);
+/// What the tracker tells other UAVs: its prediction, in UTM.
+mrs_msgs::FutureTrajectory future_trajectory(Uav* uav, const ros::Time& stamp, const UavSimulatorConfig& config);
 mrs_msgs::DynamicsConstraints constraints(const TrackerLimits& limits);
 
 mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const std_msgs::Header& header,

@@ -22,6 +22,7 @@ constexpr double kSensors_hz = 10;
 constexpr double kRange_hz = 20;
 constexpr double kClearance_hz = 20;
 constexpr double kSlow_hz = 1;
+constexpr double kFuture_hz = 2;  // predicted_trajectory_publish_rate of the MpcTracker
 constexpr double kRangefinderMax_m = 40;
 
 }  // namespace
@@ -32,7 +33,6 @@ UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const C
       losses_(config.losses),
       frames_(frames),
       scene_(std::move(scene)),
-      clock_(nh.advertise<rosgraph_msgs::Clock>("/clock", 10, true)),
       uav_state_(nh.advertise<mrs_msgs::UavState>("estimation_manager/uav_state", 10)),
       odom_main_(nh.advertise<nav_msgs::Odometry>("estimation_manager/odom_main", 100)),
       ground_truth_(private_nh.advertise<nav_msgs::Odometry>("ground_truth_out", 100)),
@@ -41,6 +41,7 @@ UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const C
       gnss_(nh.advertise<sensor_msgs::NavSatFix>("hw_api/gnss", 10)),
       range_(nh.advertise<sensor_msgs::Range>("hw_api/distance_sensor", 10)),
       tracker_cmd_(nh.advertise<mrs_msgs::TrackerCommand>("control_manager/tracker_cmd", 10)),
+      future_(nh.advertise<mrs_msgs::FutureTrajectory>("control_manager/mpc_tracker/predicted_trajectory", 2)),
       constraints_(nh.advertise<mrs_msgs::DynamicsConstraints>("control_manager/current_constraints", 10, true)),
       control_diagnostics_(nh.advertise<mrs_msgs::ControlManagerDiagnostics>("control_manager/diagnostics", 10, true)),
       constraint_diagnostics_(
@@ -48,7 +49,9 @@ UavOutputs::UavOutputs(ros::NodeHandle& nh, ros::NodeHandle& private_nh, const C
       estimation_diagnostics_(
           nh.advertise<mrs_msgs::EstimationDiagnostics>("estimation_manager/diagnostics", 10, true)),
       manager_diagnostics_(nh.advertise<mrs_msgs::UavManagerDiagnostics>("uav_manager/diagnostics", 10, true)),
-      clearance_(private_nh.advertise<msg::Clearance>("clearance_out", 50)) {}
+      clearance_(private_nh.advertise<msg::Clearance>("clearance_out", 50)) {
+  if (!config_.follows_clock) clock_ = nh.advertise<rosgraph_msgs::Clock>("/clock", 10, true);
+}
 
 template <class M>
 void UavOutputs::later(const ros::Publisher& publisher, const M& message) {
@@ -85,6 +88,10 @@ void UavOutputs::collect(Uav* uav, ConstraintSet constraints) {
   if (is_due(config_.tracker_cmd_hz)) {
     later_unless_lost(Kind::kTrackerCommand, tracker_cmd_,
                       uav_messages::tracker_command(uav, header(frames_.control()), frames_));
+  }
+  // The MpcTracker publishes while it is active, which it is neither on the ground nor during take-off and landing.
+  if (is_due(kFuture_hz) && uav->phase() == FlightPhase::kFlying) {
+    later(future_, uav_messages::future_trajectory(uav, to_ros(stamp_ns_), config_));
   }
   collect_sensors(uav);
   collect_diagnostics(*uav, constraints);
@@ -159,6 +166,7 @@ void UavOutputs::watch_clearance(const Uav& uav) {
 }
 
 void UavOutputs::publish_clock(voxnav::base::StampNs stamp_ns) {
+  if (config_.follows_clock) return;
   rosgraph_msgs::Clock clock;
   clock.clock = to_ros(stamp_ns);
   clock_.publish(clock);

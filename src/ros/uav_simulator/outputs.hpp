@@ -65,8 +65,9 @@ class UavOutputs {
   bool has_collided_ = false;
 
   tf2_ros::TransformBroadcaster tf_;
-  ros::Publisher clock_, uav_state_, odom_main_, ground_truth_, imu_, rtk_, gnss_, range_, tracker_cmd_, constraints_,
-      control_diagnostics_, constraint_diagnostics_, estimation_diagnostics_, manager_diagnostics_, clearance_;
+  ros::Publisher clock_, uav_state_, odom_main_, ground_truth_, imu_, rtk_, gnss_, range_, tracker_cmd_, future_,
+      constraints_, control_diagnostics_, constraint_diagnostics_, estimation_diagnostics_, manager_diagnostics_,
+      clearance_;
 };
 
 }  // namespace voxnav_ros

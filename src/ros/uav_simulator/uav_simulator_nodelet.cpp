@@ -2,6 +2,7 @@
 #include <pluginlib/class_list_macros.hpp>
 #include <thread>
 
+#include "clock_follower.hpp"
 #include "commands.hpp"
 #include "frames.hpp"
 #include "outputs.hpp"
@@ -19,14 +20,15 @@ namespace voxnav_ros {
 
 using voxnav_simulation::Uav;
 
-/// The nodelet that stands in for the MRS nodes and owns /clock. A thread of its own advances the vehicle on the wall
-/// clock, so nothing here may wait for simulated time. Commands arrive on the manager's threads and are answered also
-/// while time stands still.
+/// The nodelet that stands in for the MRS nodes and owns /clock, or follows that of another UAV's simulator. A thread
+/// of its own advances the vehicle on the wall clock, so nothing here may wait for simulated time. Commands arrive on
+/// the manager's threads and are answered also while time stands still.
 class UavSimulatorNodelet : public NodeletBase {
  public:
   UavSimulatorNodelet() : NodeletBase("UavSimulator") {}
   ~UavSimulatorNodelet() override {
     if (pacer_) pacer_->stop();
+    if (leader_) leader_->stop();
     is_running_ = false;
     if (thread_.joinable()) thread_.join();
   }
@@ -36,7 +38,8 @@ class UavSimulatorNodelet : public NodeletBase {
     load();
     ros::NodeHandle& nh = getMTNodeHandle();
     ros::NodeHandle& private_nh = getMTPrivateNodeHandle();
-    frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator, switches_config_);
+    frames_ = std::make_unique<UavFrames>(config_.uav_name, config_.estimator, switches_config_,
+                                          voxnav::geometry::Vec3(config_.utm_east_m, config_.utm_north_m, 0.0));
     switches_ = std::make_unique<voxnav_simulation::EstimatorSwitches>(switches_config_, seed());
     pacer_ = std::make_unique<Pacer>(config_);
     make_uav();
@@ -50,6 +53,9 @@ class UavSimulatorNodelet : public NodeletBase {
   void start() override {
     progress_ = getMTPrivateNodeHandle().subscribe("progress_in", 1000, &UavSimulatorNodelet::on_progress, this,
                                                    ros::TransportHints().tcpNoDelay());
+    if (config_.follows_clock) {
+      leader_ = std::make_unique<ClockFollower>(getMTNodeHandle(), getMTPrivateNodeHandle(), config_.uav_name);
+    }
     thread_ = std::thread([this] { run(); });
   }
 
@@ -81,21 +87,29 @@ class UavSimulatorNodelet : public NodeletBase {
   void make_uav() {
     voxnav_simulation::SensedWorld sensed_world;
     if (!config_.world_yaml.empty()) {
-      scene_ = voxnav_simulation::shared_scene(config_.world_yaml, seed());
+      scene_ = voxnav_simulation::shared_scene(config_.world_yaml, static_cast<std::uint64_t>(config_.seed));
       sensed_world = voxnav_simulation::sensed_world_of(scene_);
     }
     uav_ = std::make_unique<Uav>(setup_, seed(), sensed_world);
     uav_->set_stamp_ns(voxnav::base::from_seconds(config_.start_time_s));
   }
 
-  std::uint64_t seed() const { return static_cast<std::uint64_t>(config_.seed); }
+  std::uint64_t seed() const { return static_cast<std::uint64_t>(config_.seed + config_.seed_offset); }
 
   void run() {
     const int steps = 200 / config_.clock_hz;
     voxnav::base::StampNs stamp_ns = uav_->stamp_ns();
+    if (leader_) {
+      const auto first_ns = leader_->first();
+      if (!first_ns) return;
+      stamp_ns = std::max(stamp_ns, *first_ns);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      uav_->set_stamp_ns(stamp_ns);
+    }
     while (is_running_ && ros::ok()) {
       const auto next_ns = stamp_ns + steps * voxnav_simulation::kStep_ns;
       // Nodes that start while time stands still wait for a clock, so the present time is sent again.
+      if (leader_) leader_->wait(next_ns);
       pacer_->wait(next_ns, [&] { outputs_->publish_clock(stamp_ns); });
       if (!is_running_) return;
       {
@@ -103,6 +117,7 @@ class UavSimulatorNodelet : public NodeletBase {
         advance(steps);
       }
       stamp_ns = next_ns;
+      if (leader_) leader_->report(stamp_ns);
       report();
     }
   }
@@ -163,6 +178,7 @@ class UavSimulatorNodelet : public NodeletBase {
   std::unique_ptr<UavFrames> frames_;
   std::unique_ptr<voxnav_simulation::EstimatorSwitches> switches_;
   std::unique_ptr<Pacer> pacer_;
+  std::unique_ptr<ClockFollower> leader_;  ///< null if this simulator owns the clock
   std::unique_ptr<UavOutputs> outputs_;
   std::unique_ptr<UavCommands> commands_;
   ros::Subscriber progress_;

@@ -15,20 +15,11 @@ constexpr double kCrossing_m = 16.0;       ///< length of the way of one that cr
 constexpr double kGreatestTurn_rad = 1.0;  ///< by which that way differs from square across
 constexpr double kKeptAway_m = 4.0;        ///< from the clear places around start and goal
 
-/// What the two kinds of movers look like.
 Mover person() {
   Mover out;
   out.surface_class = SurfaceClass::kPerson;
   out.radius_m = 0.25;
   out.height_m = 1.75;
-  return out;
-}
-
-Mover flyer() {
-  Mover out;
-  out.surface_class = SurfaceClass::kFlyer;
-  out.radius_m = 0.35;
-  out.height_m = 0.3;
   return out;
 }
 
@@ -84,6 +75,14 @@ WayPoints crossing(const WorldConfig& config, double height_m, Rng* random) {
 }
 
 }  // namespace
+
+Mover flyer() {
+  Mover out;
+  out.surface_class = SurfaceClass::kFlyer;
+  out.radius_m = 0.35;
+  out.height_m = 0.3;
+  return out;
+}
 
 Vec3 Mover::at(voxnav::base::StampNs stamp_ns) const {
   const double turns = (begin_m + speed_mps * voxnav::base::to_seconds(stamp_ns)) / spacing_m;

@@ -64,18 +64,25 @@ void Scene::cast(const Vec3f& origin, const Vec3f* directions, std::size_t count
     static_part_->cast(&packet, valid, hits + first, lanes);
     if (vehicle_part) vehicle_part->cast(&packet, valid, hits + first, lanes);
   }
-  if (!at_ns || world_.movers().empty()) return;
+  if (!at_ns) return;
+  if (moving_at(*at_ns).empty()) return;
   const auto is_too_far = [max_range_m](const Hit& hit) { return hit.range_m > max_range_m; };
   cast_at_movers(origin, directions, count, *at_ns, hits);
   std::replace_if(hits, hits + count, is_too_far, Hit{});
+}
+
+std::vector<std::pair<const Mover*, Vec3>> Scene::moving_at(StampNs at_ns) const {
+  std::vector<std::pair<const Mover*, Vec3>> out = visitors_.at(at_ns);
+  for (const Mover& mover : world_.movers()) out.emplace_back(&mover, mover.at(at_ns));
+  return out;
 }
 
 /// Shortens rays to the movers that they meet.
 void Scene::cast_at_movers(const Vec3f& origin, const Vec3f* directions, std::size_t count, StampNs at_ns,
                            Hit* hits) const {
   const Vec3 from = origin.cast<double>();
-  for (const Mover& mover : world_.movers()) {
-    const Vec3 bottom = mover.at(at_ns);
+  for (const auto& [shape, bottom] : moving_at(at_ns)) {
+    const Mover& mover = *shape;
     // Rays that pass the sphere around the mover need no closer look.
     const Vec3 towards = bottom + Vec3(0, 0, 0.5 * mover.height_m) - from;
     const double reach_m = std::hypot(mover.radius_m, 0.5 * mover.height_m);
@@ -114,9 +121,9 @@ std::optional<Nearest> Scene::nearest(const Vec3& p, double max_m, std::optional
     if (other) best = other;
   }
   if (!at_ns) return best;
-  for (const Mover& mover : world_.movers()) {
-    const double distance_m = distance_to_cylinder(mover, mover.at(*at_ns), p);
-    if (distance_m < (best ? best->distance_m : max_m)) best = Nearest{distance_m, mover.surface_class};
+  for (const auto& [mover, bottom] : moving_at(*at_ns)) {
+    const double distance_m = distance_to_cylinder(*mover, bottom, p);
+    if (distance_m < (best ? best->distance_m : max_m)) best = Nearest{distance_m, mover->surface_class};
   }
   return best;
 }
