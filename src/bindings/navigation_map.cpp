@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxnav/pipeline/navigation_map.hpp"
 
+#include <pybind11/stl.h>
+
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "bind_config.hpp"
 #include "grid_update_args.hpp"
 #include "planning_manager.hpp"
 #include "point_lists.hpp"
+#include "voxnav/containers/moving_thing.hpp"
 
 namespace voxnav::bindings {
 namespace {
@@ -55,9 +60,33 @@ void set_sightings(NavigationMap& map, double stamp_s, double resolution_m, cons
   map.set_sightings(out);
 }
 
+containers::OtherUav other_uav(std::string name, double stamp_s, double step_s, const py::array& places,
+                               double radius_m, double growth_mps, double late_growth_mps, double max_growth_m,
+                               double horizon_s, double seen_s) {
+  return {std::move(name), base::from_seconds(stamp_s),
+          step_s,          points_of(places, "places"),
+          radius_m,        growth_mps,
+          late_growth_mps, max_growth_m,
+          horizon_s,       base::from_seconds(seen_s)};
+}
+
+void bind_other_uav(py::module_& m) {
+  py::class_<containers::OtherUav>(m, "OtherUav", "Another UAV, as it announced where it will be.")
+      .def(py::init(&other_uav), py::arg("name"), py::arg("stamp_s"), py::arg("step_s"), py::arg("places"),
+           py::arg("radius_m"), py::arg("growth_mps"), py::arg("late_growth_mps"), py::arg("max_growth_m"),
+           py::arg("horizon_s"), py::arg("seen_s"),
+           "places: (k, 3) float64, frame O, the first one at stamp_s, then one every step_s. It is inside a ball of\n"
+           "radius_m around its place, which grows by growth_mps from stamp_s on, and by late_growth_mps in addition\n"
+           "after the last place, but by no more than max_growth_m. It is kept clear of for horizon_s after seen_s.")
+      .def_readonly("name", &containers::OtherUav::name)
+      .def_readonly("radius_m", &containers::OtherUav::radius_m)
+      .def_readonly("horizon_s", &containers::OtherUav::horizon_s);
+}
+
 }  // namespace
 
 void bind_navigation_map(py::module_& m) {
+  bind_other_uav(m);
   bind_config<NavigationMapConfig>(m, "NavigationMapConfig", "Limits and vehicle footprint of a NavigationMap.");
   bind_words<NavigationMap::Applied>(m, "Applied",
                                      "Whether a grid update was applied. NEEDS_SNAPSHOT: a message was missed;\n"
@@ -78,6 +107,10 @@ void bind_navigation_map(py::module_& m) {
            "Sets what the newest sweep showed beside the local map. Raises ValueError.\n\n"
            "hits: (n, 3) int32 voxels, returns: (n,) int32 in each; things: (k, 12) float64, rows of id, position,\n"
            "velocity, half size, and standard deviations of position and velocity [m, m/s].")
+      .def(
+          "set_others", &NavigationMap::set_others, py::arg("others"),
+          "Sets where other UAVs will be, a list of OtherUav; it counts from the next sightings on. Raises ValueError\n"
+          "for one without places, or with numbers that are not finite or negative.")
       .def(
           "set_T_W_O", [](NavigationMap& map, const py::array& T) { map.set_T_W_O(pose_of(T, "T_W_O")); },
           py::arg("T_W_O"))

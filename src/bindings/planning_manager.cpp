@@ -8,6 +8,7 @@
 #include "configs/flight_search_config.hpp"
 #include "configs/home_config.hpp"
 #include "configs/octomap_face_config.hpp"
+#include "configs/other_uavs_config.hpp"
 #include "configs/planning_node_config.hpp"
 #include "configs/work_time_config.hpp"
 #include "point_lists.hpp"
@@ -117,6 +118,7 @@ void bind_planning_manager(py::module_& m) {
   bind_config<FencesConfig>(m, "FencesConfig", "Files of the fences of the planning_manager node, and their limits.");
   bind_config<HomeConfig>(m, "HomeConfig",
                           "The way home of the planning_manager node: which goals the battery allows.");
+  bind_config<OtherUavsConfig>(m, "OtherUavsConfig", "Other UAVs of the planning_manager node.");
   bind_config<WorkTimeConfig>(m, "WorkTimeConfig",
                               "Simulated time of the planning_manager's work, where time waits for it.");
   bind_config<FlightSearchConfig>(m, "FlightSearchConfig",

@@ -80,6 +80,7 @@ void LocalMapperNodelet::start() {
   ros::NodeHandle& nh = getPrivateNodeHandle();
   const auto hints = ros::TransportHints().tcpNoDelay();
   quality_ = nh.subscribe("odometry_quality_in", 5, &LocalMapperNodelet::on_quality, this, hints);
+  others_ = nh.subscribe("others_in", 2, &LocalMapperNodelet::on_others, this, hints);
   uav_state_ = nh.subscribe("uav_state_in", 5, &LocalMapperNodelet::on_uav_state, this, hints);
   if (uses_odometry_) odometry_ = nh.subscribe("odometry_in", 100, &LocalMapperNodelet::on_odometry, this, hints);
   for (std::size_t i = 0; i < sensors_.size(); ++i) {

@@ -17,6 +17,7 @@
 #include "voxnav/GetGrid.h"
 #include "voxnav/OdometryOrigin.h"
 #include "voxnav/OdometryQuality.h"
+#include "voxnav/OtherUavs.h"
 #include "voxnav/pipeline/mapper.hpp"
 #include "voxnav_ros/cloud_conversions.hpp"
 #include "voxnav_ros/grid_conversions.hpp"
@@ -43,6 +44,7 @@ class LocalMapperNodelet : public NodeletBase {
   void on_points(std::size_t sensor, const sensor_msgs::PointCloud2ConstPtr& msg);
   void on_odometry(const nav_msgs::OdometryConstPtr& msg);
   void on_quality(const msg::OdometryQualityConstPtr& msg);
+  void on_others(const msg::OtherUavsConstPtr& others);
   void on_uav_state(const mrs_msgs::UavStateConstPtr& msg);
   void follow_estimator(const std::string& frame, const ros::Time& stamp);
   void announce_origin(const ros::Time& stamp, const std::string& previous,
@@ -97,7 +99,8 @@ class LocalMapperNodelet : public NodeletBase {
   ros::Time map_stamp_, last_inserted_, last_snapshot_, last_occupied_, last_octomap_;
   ros::Publisher origin_, updates_, handovers_, moving_, occupied_, octomap_, octomap_binary_;
   std::vector<ros::ServiceServer> services_;
-  ros::Subscriber odometry_, quality_, uav_state_;
+  ros::Subscriber odometry_, quality_, uav_state_, others_;
+  std::size_t num_others_refused_ = 0;
   ros::SteadyTimer overdue_;
 };
 

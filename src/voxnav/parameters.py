@@ -21,6 +21,7 @@ PYTHON_NODES: Dict[str, Dict[str, Any]] = {
     "planning_manager": {"node": voxnav.PlanningNodeConfig, "manager": voxnav.PlanningManagerConfig,
                          "planner": voxnav.FlightSearchConfig, "map": voxnav.NavigationMapConfig,
                          "fences": voxnav.FencesConfig, "home": voxnav.HomeConfig, "heading": voxnav.HeadingConfig,
+                         "others": voxnav.OtherUavsConfig,
                          "work": voxnav.WorkTimeConfig, "time": voxnav.TimeConfig},
     "octomap_server": {"node": voxnav.OctomapServerConfig},
     "octomap_planner": {"node": voxnav.OctomapPlannerConfig},

@@ -13,7 +13,7 @@ TYPE = re.compile(r"^(?:template <[^>]*>\s*)?(?:class|struct|enum class|enum) (\
                   r"|^using (\w+) =", re.MULTILINE)
 COMMENT = re.compile(r"//.*")
 # The messages that are a type of the core on its way to another node; docs/terminology.md has the rule.
-SENT_AS_THEY_ARE = {"GridUpdate", "Handover", "MovingThing", "SceneChange"}
+SENT_AS_THEY_ARE = {"GridUpdate", "Handover", "MovingThing", "OtherUav", "SceneChange"}
 # Python classes with the name of a C++ class that they wrap or correspond to.
 IN_BOTH_LANGUAGES = {"Diagnostics", "World"}
 # The one header that names the generated messages, which ROS 1 puts into the namespace voxnav.

@@ -15,7 +15,7 @@ SUFFIXES = (".hpp", ".cpp", ".py")
 MAY_KNOW_HOW_TIME_RUNS = (
     "include/voxnav/pipeline/time_config.hpp", "include/voxnav_ros/time_seam.hpp", "src/ros/time_seam.cpp",
     "src/voxnav/nodes/time_seam.py", "src/voxnav/nodes/time_leader.py", "src/voxnav/demo/flight.py",
-    "src/voxnav/demo/recording.py", "src/voxnav/campaign/flight.py",
+    "src/voxnav/demo/two_uavs.py", "src/voxnav/demo/recording.py", "src/voxnav/campaign/flight.py",
     "src/ros/uav_simulator/")
 
 

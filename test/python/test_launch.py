@@ -10,7 +10,7 @@ import yaml
 roslaunch = pytest.importorskip("roslaunch")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 ARGUMENTS = {"nodes": ["UAV_NAME:=uav1"], "voxnav": ["UAV_NAME:=uav1", "RUN_TYPE:=realworld"], "bag": [],
-             "simulation": []}
+             "simulation": [], "two_uavs": []}
 NODES = {"cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer", "planning_manager"}
 
 

@@ -17,6 +17,7 @@ RUN_BY = {
     "bumper": "launch/octomap_face.launch",
     "campaign": "test/python/test_campaign.py",
     "demo": "test/python/test_lockstep.py",
+    "demo_two_uavs": "test/rostest/two_uavs.test",
     "demo_real": "test/python/test_demo_real.py",
     "laser_scan_cloud": "launch/octomap_face.launch",
     "livox_cloud": "test/rostest/recording_nodes.test",

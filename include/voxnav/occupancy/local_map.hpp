@@ -40,6 +40,12 @@ struct CorridorState {
   std::optional<double> first_bad_m;
 };
 
+/// A ball in which the body of another vehicle may be, frame of the map.
+struct BodyBall {
+  geometry::Vec3 center;
+  double radius_m = 0.0;
+};
+
 struct NearestHit {
   geometry::Vec3 point;  ///< mean hit point of the voxel
   double distance_m = 0.0;
@@ -72,6 +78,10 @@ class LocalMap {
   /// O(points + voxels crossed).
   InsertStatistics insert(const geometry::PointsView& points_L, const geometry::Pose& T_W_L,
                           const geometry::PointsView& no_return_directions_L = {}, const ScanLimits& limits = {});
+  /// Sets where the bodies of other vehicles are, for the scans that are inserted from here on. Voxels there that a
+  /// scan hits are left as they are unless they are occupied: no hit is believed, and no beam that passes frees them.
+  /// They are listed in new_hits() nevertheless. @throws std::invalid_argument for a ball that is not finite
+  void set_bodies(std::vector<BodyBall> bodies);
   /// The hits of the newest scan in voxels that were believed to be free, sorted by voxel. What moves shows in these.
   const std::vector<NewHit>& new_hits() const;
   /// Returns what became of a new voxel; nothing if it is none.

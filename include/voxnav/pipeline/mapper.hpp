@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "voxnav/containers/moving_thing.hpp"
 #include "voxnav/occupancy/moving_things.hpp"
 #include "voxnav/odometry/lidar_odometry.hpp"
 #include "voxnav/pipeline/mapper_config.hpp"
@@ -70,6 +71,10 @@ class Mapper {
   /// @param now_s  time of any clock, see drop_overdue()
   /// @throws std::invalid_argument if the configuration has no such sensor
   void add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& poses = std::nullopt, double now_s = 0.0);
+  /// Sets where the bodies of other UAVs are, frame O, with the radius of the ball in which each body is. They are not
+  /// mapped in sweeps up to a second after this was known (OtherUav::seen_ns).
+  /// @throws std::invalid_argument if one has no places, or a number that is not finite or negative
+  void set_others(std::vector<containers::OtherUav> others);
   /// Marks sweeps that have waited too long for their poses by the time `now_s`; next() drops them.
   void drop_overdue(double now_s, double timeout_s);
   /// Ends the input. next() then processes sweeps that wait for IMU samples without these, and drops sweeps that wait

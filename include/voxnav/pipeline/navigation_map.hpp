@@ -36,6 +36,7 @@ struct NavigationMapConfig {
   double moving_horizon_s = 2.5;
   double moving_growth_mps = 0.2;
   double moving_clearance_m = 1.0;
+  double meeting_speed_mps = 4.0;
   double area_margin_m = 0.4;
   double zone_distance_m = 1.0;
 
@@ -65,7 +66,9 @@ struct NavigationMapConfig {
     v("moving_growth_mps", &NavigationMapConfig::moving_growth_mps, base::in(0.0, 5.0), "m/s",
       "the room that moving things may need grows by this, beside the uncertainty of their velocity");
     v("moving_clearance_m", &NavigationMapConfig::moving_clearance_m, base::in(0.0, 10.0), "m",
-      "distance of paths from where moving things may be");
+      "distance of paths from where moving things and other UAVs may be");
+    v("meeting_speed_mps", &NavigationMapConfig::meeting_speed_mps, base::in(0.2, 30.0), "m/s",
+      "speed at which a search believes the vehicle to fly when it keeps clear of where other UAVs will be by then");
     v("area_margin_m", &NavigationMapConfig::area_margin_m, base::in(0.0, 20.0), "m",
       "planned paths stay this far inside the safety area, at its sides as below and above; what is flown stays "
       "inside");
@@ -110,6 +113,9 @@ class NavigationMap {
   /// Takes what the newest sweep showed beside the local map; it holds until the next sweep.
   /// @throws std::invalid_argument if a thing is not finite, or resolution_m is not positive
   void set_sightings(const SweepSightings& sightings);
+  /// Sets where other UAVs will be, frame O; it counts from the next sightings on.
+  /// @throws std::invalid_argument if one has no places, or a number that is not finite or out of its range
+  void set_others(std::vector<containers::OtherUav> others);
   void set_T_W_O(const geometry::Pose& T_W_O);
   void set_vehicle(const geometry::Vec3& position_O);
   /// Sets the fences of the flight, null for none.
@@ -138,6 +144,7 @@ class NavigationMap {
   std::optional<geometry::Pose> T_W_O_;
   std::optional<geometry::Vec3> vehicle_O_;
   std::shared_ptr<const PlacedSightings> sightings_;
+  std::shared_ptr<const std::vector<containers::OtherUav>> others_O_;
   std::shared_ptr<const planning::Fences> fences_O_;
   mutable std::shared_ptr<const planning::FenceRaster> raster_;  ///< kept while the fences are the same
   mutable std::shared_ptr<const PlacedObstacles> placed_;        ///< kept from one view to the next while nothing moves

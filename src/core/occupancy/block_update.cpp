@@ -41,6 +41,10 @@ bool is_beside(const std::uint8_t* levels, int offset, std::uint8_t above) {
   return false;
 }
 
+bool is_set(const VoxelBits* bits, int offset) {
+  return bits != nullptr && (((*bits)[static_cast<std::size_t>(offset) >> 6] >> (offset & 63)) & 1u) != 0;
+}
+
 struct Applied {
   BlockUpdate update;
   bool any_level_changed = false;
@@ -69,6 +73,7 @@ void apply_misses(OctreeBlock* block, const BlockEvidence& evidence, const Voxel
 void apply_hits(OctreeBlock* block, const BlockEvidence& evidence, const LogOddsScale& scale, const StateLevels& levels,
                 Applied* out) {
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
+    if (is_set(evidence.body_bits, hit->offset)) continue;
     std::uint8_t& level = block->log_odds[hit->offset];
     const bool is_surface = level < scale.prior && is_beside(block->log_odds.data(), hit->offset, scale.prior);
     const auto after =
@@ -97,6 +102,7 @@ void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const Voxe
   }
   block->leaves.assign(bits);
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
+    if (is_set(evidence.body_bits, hit->offset)) continue;
     if (SurfaceLeaf* leaf = block->leaves.find(hit->offset)) leaf->add_scan(hit->points, evidence.scan_number);
   }
 }
@@ -130,8 +136,14 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
     report_hits_of_new(*block, evidence, levels, hits_of_new);
     new_voxels.end_scan(refuted, evidence.scan);
   }
-  for (int word = 0; word < 64; ++word) block->seen[word] |= evidence.passed[word] | hits[word];
-  if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
+  VoxelBits believed = hits;
+  if (evidence.body_bits != nullptr) {
+    for (std::size_t word = 0; word < believed.size(); ++word) believed[word] &= ~(*evidence.body_bits)[word];
+  }
+  for (int word = 0; word < 64; ++word) {
+    block->seen[word] |= (evidence.passed[word] & ~(hits[word] & ~believed[word])) | believed[word];
+  }
+  if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, believed, refuted, levels);
   // Inner nodes need no work where no level changed: most blocks are free space at the lower clamp, where a miss
   // changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {

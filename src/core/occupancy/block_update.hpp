@@ -13,9 +13,10 @@ namespace voxnav::occupancy {
 
 /// All that one scan says about one block.
 struct BlockEvidence {
-  VoxelBits passed{};            ///< voxels that rays crossed
-  geometry::Index3 first_voxel;  ///< window coordinates
-  const VoxelBits* hit_bits;     ///< voxels that were hit; null when there are none
+  VoxelBits passed{};                    ///< voxels that rays crossed
+  geometry::Index3 first_voxel;          ///< window coordinates
+  const VoxelBits* hit_bits;             ///< voxels that were hit; null when there are none
+  const VoxelBits* body_bits = nullptr;  ///< those of them that are left as they are; null when there are none
   const HitVoxel* hits_begin;
   const HitVoxel* hits_end;
   int scan_number;     ///< number of the scan since the last handover, from 1

@@ -38,8 +38,15 @@ InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const ge
   impl_->keep(std::move(move.evicted), &statistics);
   forest.recent_scans = std::min(forest.recent_scans + 1, SurfaceLeaf::kMaxNumber);
   ++forest.scans;
-  impl_->insertion.run({points_L, no_return_directions_L, T_W_L, limits}, &forest, &statistics);
+  impl_->insertion.run({points_L, no_return_directions_L, T_W_L, limits, impl_->bodies}, &forest, &statistics);
   return statistics;
+}
+
+void LocalMap::set_bodies(std::vector<BodyBall> bodies) {
+  for (const BodyBall& body : bodies) {
+    if (!body.center.allFinite() || !(body.radius_m >= 0.0)) throw std::invalid_argument("a body is not finite");
+  }
+  impl_->bodies = std::move(bodies);
 }
 
 void LocalMap::Impl::keep(std::vector<EvictedBlock> blocks, InsertStatistics* statistics) {

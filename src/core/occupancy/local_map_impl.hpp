@@ -26,6 +26,7 @@ struct LocalMap::Impl {
   LocalMapConfig config;
   OctreeForest forest;
   ScanInsertion insertion;
+  std::vector<BodyBall> bodies;  ///< of other vehicles
   EvictedBlocks evicted;
   RemovedBlocks removed;
   std::vector<geometry::Index3> moving;  ///< voxels that are marked as moving, and some that are not any more

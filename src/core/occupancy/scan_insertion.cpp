@@ -33,6 +33,7 @@ void ScanInsertion::run(const SensorScan& scan, OctreeForest* forest, InsertStat
   collect_points(scan.points_L, frame, statistics);
   collect_no_returns(scan, frame);
   sort_ends(scan.points_L, frame);
+  place_bodies(scan, *forest);
   cast_rays(forest->to_window(scan.T_W_L.translation()), *forest);
   update_blocks(frame, guard_end_voxels(scan), forest, statistics);
   collect_new_hits(forest);
@@ -41,6 +42,32 @@ void ScanInsertion::run(const SensorScan& scan, OctreeForest* forest, InsertStat
 /// How far behind hits a beam has to end to count against them: twice the noise of its range farther than another.
 float ScanInsertion::guard_end_voxels(const SensorScan& scan) const {
   return static_cast<float>(config_.guard_end_voxels + 2.0 * scan.limits.range_noise_m / config_.resolution_m);
+}
+
+void ScanInsertion::place_bodies(const SensorScan& scan, const OctreeForest& forest) {
+  bodies_.clear();
+  for (const BodyBall& body : scan.bodies) {
+    bodies_.push_back({forest.to_window(body.center), body.radius_m / config_.resolution_m});
+  }
+}
+
+/// Voxels that are occupied are something that was there before, and are hit as ever.
+bool ScanInsertion::find_body_hits(const BlockEvidence& evidence, const OctreeBlock& block, const OctreeForest& forest,
+                                   VoxelBits* out) const {
+  const geometry::Vec3 corner(evidence.first_voxel.x, evidence.first_voxel.y, evidence.first_voxel.z);
+  bool is_any = false;
+  for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
+    if (block.log_odds[hit->offset] >= forest.levels.occupied_begin()) continue;
+    const geometry::Index3 at = geometry::voxel_at({0, 0, 0}, hit->offset);
+    const geometry::Vec3 center = corner + geometry::Vec3(at.x + 0.5, at.y + 0.5, at.z + 0.5);
+    for (const BodyBall& body : bodies_) {
+      if ((center - body.center).squaredNorm() > body.radius_m * body.radius_m) continue;
+      (*out)[hit->offset >> 6] |= std::uint64_t{1} << (hit->offset & 63);
+      is_any = true;
+      break;
+    }
+  }
+  return is_any;
 }
 
 ScanFrame ScanInsertion::frame_of(const SensorScan& scan, const OctreeForest& forest) const {
@@ -145,6 +172,8 @@ BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight&
   evidence.scan_number = forest->recent_scans;
   evidence.scan = forest->scans;
   OctreeBlock& known = forest->window.ensure(static_cast<int>(slot), forest->scale.prior);
+  VoxelBits in_bodies{};
+  if (!bodies_.empty() && find_body_hits(evidence, known, *forest, &in_bodies)) evidence.body_bits = &in_bodies;
   const UpdateRules rules{sight, forest->scale, forest->levels};
   const BlockUpdate update = occupancy::update_block(&known, evidence, rules, hits_of_new);
   if (update.any_state_changed) known.changed_at = forest->sequence;

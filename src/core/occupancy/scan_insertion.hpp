@@ -22,6 +22,7 @@ struct SensorScan {
   geometry::PointsView no_return_directions_L;
   geometry::Pose T_W_L;
   ScanLimits limits;
+  const std::vector<BodyBall>& bodies;
 };
 
 /// Inserts scans as hits and misses into an octree forest whose window has already been moved to the sensor. The
@@ -39,6 +40,10 @@ class ScanInsertion {
  private:
   ScanFrame frame_of(const SensorScan& scan, const OctreeForest& forest) const;
   float guard_end_voxels(const SensorScan& scan) const;
+  void place_bodies(const SensorScan& scan, const OctreeForest& forest);
+  /// Finds the voxels of a block that were hit in the body of another vehicle. Returns false if there are none.
+  bool find_body_hits(const BlockEvidence& evidence, const OctreeBlock& block, const OctreeForest& forest,
+                      VoxelBits* out) const;
   void collect_points(const geometry::PointsView& points_L, const ScanFrame& frame, InsertStatistics* statistics);
   void collect_no_returns(const SensorScan& scan, const ScanFrame& frame);
   void sort_ends(const geometry::PointsView& points_L, const ScanFrame& frame);
@@ -52,7 +57,8 @@ class ScanInsertion {
   LocalMapConfig config_;
   EndVoxels ends_;
   std::vector<geometry::Vec3f> no_return_ends_;
-  std::vector<ScanPart> parts_;  ///< one for each thread
+  std::vector<BodyBall> bodies_;  ///< in voxels, from the corner of the window
+  std::vector<ScanPart> parts_;   ///< one for each thread
   BeamImage beams_;
   ScanBox box_;
   RayMarks marks_;

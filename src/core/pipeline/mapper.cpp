@@ -2,12 +2,14 @@
 #include "voxnav/pipeline/mapper.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "pipeline/load_control.hpp"
 #include "pipeline/map_clock.hpp"
 #include "pipeline/sweep_queue.hpp"
+#include "planning/other_uavs.hpp"
 #include "voxnav/geometry/pose.hpp"
 #include "voxnav/odometry/imu_gate.hpp"
 
@@ -20,6 +22,11 @@ using geometry::Pose;
 constexpr double kMaxOwnPoseGap_s = 0.5;
 /// Sweeps that may wait for the IMU to show where up is: four seconds at 20 Hz.
 constexpr std::size_t kMaxUnlevel = 80;
+
+/// Where others are is not known any more in sweeps that are this much newer than the newest news.
+constexpr double kMaxNewsAge_s = 1.0;
+/// No sweep takes longer.
+constexpr base::StampNs kSweep_ns = 100'000'000;
 
 std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
 
@@ -53,6 +60,7 @@ struct Mapper::Impl {
   void clear(const std::string& text, MapperStep* step);
   std::vector<Handover> clear(const std::string& reason);
   void insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperStep* step);
+  std::vector<occupancy::BodyBall> bodies_at(base::StampNs begin_ns) const;
 
   MapperConfig config;
   occupancy::LocalMap map;
@@ -68,6 +76,7 @@ struct Mapper::Impl {
   MapClock clock;
   std::optional<geometry::Vec3> last_body;
   bool mapped_any = false;
+  std::vector<containers::OtherUav> others;
   std::optional<Mapped> mapped;  // the sweep that close_due() is still to be asked for
 };
 
@@ -189,6 +198,7 @@ void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperSt
   float* first = sweep->points.empty() ? nullptr : sweep->points.front().data();
   deskew({first, sweep->points.size(), 3}, sweep->time_offsets_ns, poses.motion);
   const SensorConfig& sensor = queues[sweep->sensor].config();
+  map.set_bodies(bodies_at(sweep->start_ns));
   step->statistics =
       map.insert(geometry::view_of(sweep->points), middle_of(poses.motion), geometry::view_of(sweep->open_beams),
                  {sensor.max_range_m, sensor.no_return_range_m, sensor.range_noise_m});
@@ -197,6 +207,18 @@ void Mapper::Impl::insert(cloud::Sweep* sweep, const SweepPoses& poses, MapperSt
   step->T_O_B = poses.T_O_B;
   mapped_any = true;
   if (step->leads) mapped = {sweep->start_ns, poses.T_O_B};
+}
+
+/// A body moves during a sweep, so its ball holds both ends of its way.
+std::vector<occupancy::BodyBall> Mapper::Impl::bodies_at(base::StampNs begin_ns) const {
+  const base::StampNs end_ns = begin_ns + kSweep_ns;
+  std::vector<occupancy::BodyBall> out;
+  for (const containers::OtherUav& other : others) {
+    if (other.radius_m <= 0.0 || std::abs(base::to_seconds(end_ns - other.seen_ns)) > kMaxNewsAge_s) continue;
+    const geometry::Vec3 from = planning::place_at(other, begin_ns), to = planning::place_at(other, end_ns);
+    out.push_back({0.5 * (from + to), other.radius_m + 0.5 * (to - from).norm()});
+  }
+  return out;
 }
 
 Mapper::Mapper(const MapperConfig& config, const Pose& T_B_L, const SweepLocator* locator)
@@ -226,6 +248,11 @@ void Mapper::add_sweep(cloud::Sweep sweep, const std::optional<SweepPoses>& pose
     impl_->gate.add(std::move(sweep), 0.0);
     impl_->track_ready(0.0);
   }
+}
+
+void Mapper::set_others(std::vector<containers::OtherUav> others) {
+  for (const containers::OtherUav& other : others) planning::require_valid(other);
+  impl_->others = std::move(others);
 }
 
 void Mapper::drop_overdue(double now_s, double timeout_s) {

@@ -67,9 +67,21 @@ void NavigationMap::set_sightings(const SweepSightings& sightings) {
                            std::isfinite(thing.position_sigma_m) && std::isfinite(thing.velocity_sigma_mps);
     if (!is_finite) throw std::invalid_argument("a moving thing is not finite");
   }
-  auto placed = std::make_shared<const PlacedSightings>(config_, sightings);
+  planning::SharedOthers others;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    others = others_O_;
+  }
+  auto placed = std::make_shared<const PlacedSightings>(config_, sightings, std::move(others));
   const std::lock_guard<std::mutex> lock(mutex_);
   sightings_ = std::move(placed);
+}
+
+void NavigationMap::set_others(std::vector<containers::OtherUav> others) {
+  for (const containers::OtherUav& other : others) planning::require_valid(other);
+  auto kept = std::make_shared<const std::vector<containers::OtherUav>>(std::move(others));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  others_O_ = std::move(kept);
 }
 
 void NavigationMap::set_T_W_O(const geometry::Pose& T_W_O) {

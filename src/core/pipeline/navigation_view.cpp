@@ -195,7 +195,7 @@ bool NavigationView::forbidden(const Index3& block, BlockMask* hard, BlockMask* 
   const bool has_fences = content_.fences != nullptr && content_.fences->mask(block, hard);
   const bool has_obstacles = forbid_obstacles(block, config_.local_knows_better ? soft : hard);
   const bool has_heights = forbid_heights(block, hard);
-  const bool has_things = content_.sightings != nullptr && content_.sightings->forbid(block, hard);
+  const bool has_things = content_.sightings != nullptr && content_.sightings->forbid(block, content_.vehicle_O, hard);
   return has_altitudes || has_fences || has_heights || has_obstacles || has_things;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 namespace voxnav::pipeline {
 namespace {
@@ -45,9 +46,18 @@ std::vector<bool> firm_ones(const SweepSightings& sweep) {
 
 }  // namespace
 
-PlacedSightings::PlacedSightings(const NavigationMapConfig& config, const SweepSightings& sweep)
-    : resolution_m_(sweep.resolution_m), clearance_m_(config.moving_clearance_m) {
+PlacedSightings::PlacedSightings(const NavigationMapConfig& config, const SweepSightings& sweep,
+                                 planning::SharedOthers others)
+    : resolution_m_(sweep.resolution_m),
+      clearance_m_(config.moving_clearance_m),
+      meeting_speed_mps_(config.meeting_speed_mps) {
   sightings_.stamp_ns = sweep.stamp_ns;
+  sightings_.others = std::move(others);
+  if (sightings_.others != nullptr) {
+    for (const containers::OtherUav& other : *sightings_.others) {
+      tracks_.emplace_back(other, sweep.stamp_ns, clearance_m_);
+    }
+  }
   sightings_.rules = {config.moving_horizon_s, config.moving_growth_mps};
   if (config.moving_horizon_s > 0.0) sightings_.things = sweep.things;
   if (!config.use_new_hits) return;
@@ -90,6 +100,9 @@ geometry::Aabb PlacedSightings::box_of(const MovingThing& thing) const {
 std::vector<geometry::Aabb> PlacedSightings::boxes() const {
   std::vector<geometry::Aabb> out;
   for (const MovingThing& thing : sightings_.things) out.push_back(box_of(thing));
+  for (const planning::OtherUavTrack& track : tracks_) {
+    if (!track.empty()) out.push_back(track.box());
+  }
   return out;
 }
 
@@ -100,7 +113,30 @@ bool PlacedSightings::is_forbidden(const MovingThing& thing, const Vec3& center)
   return false;
 }
 
-bool PlacedSightings::forbid(const Index3& block, planning::BlockMask* mask) const {
+bool PlacedSightings::forbid(const Index3& block, const Vec3& vehicle, planning::BlockMask* mask) const {
+  const bool has_things = forbid_things(block, mask);
+  return forbid_others(block, vehicle, mask) || has_things;
+}
+
+bool PlacedSightings::forbid_others(const Index3& block, const Vec3& vehicle, planning::BlockMask* mask) const {
+  bool is_any = false;
+  const double side = kSide * resolution_m_;
+  const Vec3 corner = Vec3(block.x, block.y, block.z) * side;
+  const planning::Arrival arrival{sightings_.stamp_ns, vehicle, meeting_speed_mps_};
+  for (const planning::OtherUavTrack& track : tracks_) {
+    const planning::OtherUavTrack here = track.within({corner, corner + Vec3::Constant(side)});
+    if (here.empty()) continue;
+    for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+      const Vec3 center = geometry::center_of(geometry::voxel_at(block, offset), resolution_m_);
+      if (!here.may_meet(arrival, center)) continue;
+      mask->set(static_cast<std::size_t>(offset));
+      is_any = true;
+    }
+  }
+  return is_any;
+}
+
+bool PlacedSightings::forbid_things(const Index3& block, planning::BlockMask* mask) const {
   bool is_any = false;
   const double side = kSide * resolution_m_;
   const Vec3 corner = Vec3(block.x, block.y, block.z) * side;

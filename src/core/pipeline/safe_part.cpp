@@ -38,6 +38,11 @@ std::string distance_text(const char* format, double distance_m) {
   return buffer;
 }
 
+std::string what_is_met(const planning::Meeting& meeting) {
+  const std::string what = meeting.name.empty() ? "something that moves" : meeting.name;
+  return "not free: " + what + distance_text(" is met in %.1f m", meeting.arc_m);
+}
+
 /// Checks and cuts one trajectory.
 class Checker {
  public:
@@ -83,12 +88,11 @@ class Checker {
   }
 
   std::optional<Room> room_to_meeting(const Trajectory& trajectory, double from_arc_m) const {
-    if (sightings_ == nullptr || sightings_->things.empty()) return std::nullopt;
+    if (sightings_ == nullptr || sightings_->has_nothing_to_meet()) return std::nullopt;
     const auto meeting =
         planning::first_meeting(*sightings_, planning::timed_line(trajectory, from_arc_m), begin_ns_, flown_.radius_m);
     if (!meeting) return std::nullopt;
-    return Room{meeting->arc_m - config_.stop_margin_m,
-                distance_text("not free: something that moves is met in %.1f m", meeting->arc_m)};
+    return Room{meeting->arc_m - config_.stop_margin_m, what_is_met(*meeting)};
   }
 
   double deceleration(double room_m) const {

@@ -21,18 +21,68 @@ struct TimedPiece {
   double from_s, to_s;
 };
 
-/// Returns the share of a piece that is flown before the vehicle may touch a thing; nothing if it does not.
-std::optional<double> meeting_on(const TimedPiece& piece, const MovingThing& thing, const MovingRules& rules,
-                                 double radius_m) {
+/// Returns the share of a piece that is flown before something is touched; nothing if it is not. `touches` is asked for
+/// times after the stamp of the things up to a horizon, and for places of the vehicle.
+template <class Touches>
+std::optional<double> meeting_on(const TimedPiece& piece, double horizon_s, const Touches& touches) {
   const int steps = std::max(1, static_cast<int>(std::ceil((piece.to_s - piece.from_s) / kStep_s)));
   for (int i = 0; i <= steps; ++i) {
     const double share = static_cast<double>(i) / steps;
     const double after_s = piece.from_s + share * (piece.to_s - piece.from_s);
-    if (after_s > rules.horizon_s) return std::nullopt;
-    if (may_touch(thing, rules, after_s, piece.from + share * (piece.to - piece.from), radius_m)) return share;
+    if (after_s > horizon_s) return std::nullopt;
+    if (touches(after_s, piece.from + share * (piece.to - piece.from))) return share;
   }
   return std::nullopt;
 }
+
+/// How far ahead anything is predicted, after the stamp of the things.
+double longest_horizon_s(const Sightings& sightings) {
+  double out = sightings.things.empty() ? 0.0 : sightings.rules.horizon_s;
+  if (sightings.others == nullptr) return out;
+  for (const OtherUav& other : *sightings.others) {
+    out = std::max(out, base::to_seconds(horizon_ns(other) - sightings.stamp_ns));
+  }
+  return out;
+}
+
+/// Finds the first meeting on a line, piece by piece.
+class MeetingSearch {
+ public:
+  MeetingSearch(const Sightings& sightings, double age_s, double radius_m)
+      : sightings_(sightings), age_s_(age_s), radius_m_(radius_m) {}
+
+  /// @param arc_m  length of the line before the piece
+  std::optional<Meeting> on(const TimedPiece& piece, double arc_m) const {
+    std::optional<Meeting> first;
+    const auto offer = [&](std::optional<double> share, std::uint32_t id, const std::string& name) {
+      const double after_s = piece.from_s + share.value_or(0.0) * (piece.to_s - piece.from_s) - age_s_;
+      if (!share || (first && after_s >= first->after_s)) return;
+      const Vec3 way = *share * (piece.to - piece.from);
+      first = Meeting{arc_m + way.norm(), after_s, piece.from + way, id, name};
+    };
+    for (const MovingThing& thing : sightings_.things) offer(share_to(thing, piece), thing.id, {});
+    if (sightings_.others == nullptr) return first;
+    for (const OtherUav& other : *sightings_.others) offer(share_to(other, piece), 0, other.name);
+    return first;
+  }
+
+ private:
+  std::optional<double> share_to(const MovingThing& thing, const TimedPiece& piece) const {
+    return meeting_on(piece, sightings_.rules.horizon_s, [&](double after_s, const Vec3& place) {
+      return may_touch(thing, sightings_.rules, after_s, place, radius_m_);
+    });
+  }
+  std::optional<double> share_to(const OtherUav& other, const TimedPiece& piece) const {
+    const double horizon_s = base::to_seconds(horizon_ns(other) - sightings_.stamp_ns);
+    return meeting_on(piece, horizon_s, [&](double after_s, const Vec3& place) {
+      return may_touch(other, sightings_.stamp_ns + base::from_seconds(after_s), place, radius_m_);
+    });
+  }
+
+  const Sightings& sightings_;
+  double age_s_;
+  double radius_m_;
+};
 
 }  // namespace
 
@@ -67,22 +117,16 @@ TimedLine timed_line(const Trajectory& trajectory, double from_arc_m) {
 std::optional<Meeting> first_meeting(const Sightings& sightings, const TimedLine& line, base::StampNs begin_ns,
                                      double radius_m) {
   const double age_s = base::to_seconds(begin_ns - sightings.stamp_ns);
+  const double horizon_s = longest_horizon_s(sightings);
+  const MeetingSearch search(sightings, age_s, radius_m);
   double arc_m = 0.0;
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     const std::size_t next = std::min(i + 1, line.points.size() - 1);
     TimedPiece piece{line.points[i], line.points[next], line.times_s[i] + age_s, line.times_s[next] + age_s};
     // At the end of its line the vehicle rests, and things may still come.
-    if (next == i) piece.to_s = std::max(piece.from_s, sightings.rules.horizon_s);
-    if (piece.from_s > sightings.rules.horizon_s) break;
-    std::optional<Meeting> first;
-    for (const MovingThing& thing : sightings.things) {
-      const auto share = meeting_on(piece, thing, sightings.rules, radius_m);
-      const double after_s = piece.from_s + share.value_or(0.0) * (piece.to_s - piece.from_s) - age_s;
-      if (!share || (first && after_s >= first->after_s)) continue;
-      const Vec3 way = *share * (piece.to - piece.from);
-      first = Meeting{arc_m + way.norm(), after_s, piece.from + way, thing.id};
-    }
-    if (first) return first;
+    if (next == i) piece.to_s = std::max(piece.from_s, horizon_s);
+    if (piece.from_s > horizon_s) break;
+    if (auto first = search.on(piece, arc_m)) return first;
     arc_m += (piece.to - piece.from).norm();
   }
   return std::nullopt;

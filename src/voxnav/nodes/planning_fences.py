@@ -73,7 +73,7 @@ class PlanningFences:
             problem, placed = self._file_problem, None
             if not problem and not self._book.is_empty:
                 try:
-                    placed = place(self._book, self._T_O)
+                    placed = place(self._book, self.T_O)
                 except FenceError as error:
                     problem = "fences cannot be placed: %s" % error
             self._take(placed, problem)
@@ -94,7 +94,12 @@ class PlanningFences:
         self._set_fences(self._placed, problem)
         self._draw()
 
-    def _T_O(self, frame):
+    @property
+    def world_origin(self):
+        """The voxnav.fences.WorldOrigin of the world configuration; None if there is none."""
+        return self._book.world.origin
+
+    def T_O(self, frame):
         """Returns T_O_F of a frame, whose short name belongs to this UAV. Raises FenceError."""
         inputs = self._inputs
         names = [frame] if "/" in frame or not self._uav_name else [frame, self._uav_name + "/" + frame]

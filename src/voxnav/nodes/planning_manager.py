@@ -19,6 +19,7 @@ from voxnav.nodes.planning_goals import PlanningGoals
 from voxnav.nodes.planning_headings import Headings
 from voxnav.nodes.planning_home import PlanningHome
 from voxnav.nodes.planning_inputs import PlanningInputs
+from voxnav.nodes.planning_others import PlanningOthers
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices, TimedService
 from voxnav.nodes.planning_settings import PlanningSettings
@@ -33,10 +34,10 @@ KEPT_GOAL_AGE_S = 600.0
 
 class PlanningManagerNode:
     def __init__(self):
-        node, manager, planner, limits, fences, home, heading, work, time_config = load_sections(
+        node, manager, planner, limits, fences, home, heading, others, work, time_config = load_sections(
             node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig, planner=voxnav.FlightSearchConfig,
             map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig, home=voxnav.HomeConfig,
-            heading=voxnav.HeadingConfig,
+            heading=voxnav.HeadingConfig, others=voxnav.OtherUavsConfig,
             work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
         self._config, self._manager_config = node, manager
@@ -59,6 +60,7 @@ class PlanningManagerNode:
         transform = TimedService("~transform_reference_out", TransformReferenceSrv, node.service_timeout_s, self._seam)
         self._goals = PlanningGoals(self._inputs, uav_name, self._set_goal, self._stop, transform)
         self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
+        self._others = PlanningOthers(others, self._inputs, uav_name, self._fences, self._set_others, self._seam)
         self._virtual_obstacles = VirtualObstacles(self._fences, self._inputs)
         self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
                                   self._seam)
@@ -99,6 +101,7 @@ class PlanningManagerNode:
 
     def _check(self):
         with self._diagnostics.time("check"):
+            self._others.update()
             with self._lock:
                 actions = self._manager.check(self._seam.now().to_sec())
             self._dispatch(actions)
@@ -132,6 +135,8 @@ class PlanningManagerNode:
         for name in ("num_plans", "num_trajectories", "num_shortened", "num_hovers", "expansions"):
             self._diagnostics.set_counter(name, getattr(status, name))
         self._diagnostics.set_counter("num_bad_inputs", self._inputs.num_bad)
+        for name, value in self._others.counters().items():
+            self._diagnostics.set_counter(name, value)
         self._diagnostics.set_counter("num_snapshots", self._inputs.local.num_snapshots)
 
     # Commands
@@ -147,6 +152,13 @@ class PlanningManagerNode:
         self._map.set_fences(None if placed is None else placed.fences)
         with self._lock:
             self._manager.set_fences(placed, problem)
+
+    def _set_others(self, others, problem):
+        """others: a list of voxnav.OtherUav; None leaves them where they were."""
+        if others is not None:
+            self._map.set_others(others)
+        with self._lock:
+            self._manager.set_others_problem(problem)
 
     def _set_altitudes(self, min_m, max_m):
         self._map.set_altitudes(min_m, max_m)

@@ -159,6 +159,7 @@ class Inputs:
     frames: Frames = Frames()
     lost_nodes: FrozenSet[str] = field(default_factory=frozenset)
     fencing: Fencing = Fencing()
+    others_problem: str = ""  # why it is not known where other UAVs are; '' if it is, or if there are none
 
     @property
     def is_on_ground(self) -> bool:

@@ -101,6 +101,10 @@ class PlanningManager:
         """Sets the fences, None for no fences. problem: why they are not known; the vehicle does not fly then."""
         self._inputs = replace(self._inputs, fencing=Fencing(placed, problem))
 
+    def set_others_problem(self, problem: str) -> None:
+        """Sets why it is not known where other UAVs are, '' if it is; the vehicle does not fly otherwise."""
+        self._inputs = replace(self._inputs, others_problem=problem)
+
     # Commands.
 
     def set_goal(self, goal_W: Sequence[float], heading_rad: Optional[float], now_s: float) -> str:

@@ -18,7 +18,7 @@ def missing(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]:
     config: voxnav.PlanningManagerConfig
     """
     return (_missing_vehicle(inputs, now_s, config) or _missing_limits(inputs, now_s, config)
-            or _missing_map(inputs, now_s, config) or _outside_fences(inputs))
+            or _missing_map(inputs, now_s, config) or _outside_fences(inputs) or _unplaced_others(inputs))
 
 
 def _missing_vehicle(inputs: Inputs, now_s: float, config: Any) -> Optional[Because]:
@@ -70,6 +70,10 @@ def _outside_fences(inputs: Inputs) -> Optional[Because]:
         return None
     contact = placed.fences.contact(inputs.vehicle.value.position_O)
     return None if contact is None else Because(Reason.FENCED, "the vehicle is " + placed.what(contact))
+
+
+def _unplaced_others(inputs: Inputs) -> Optional[Because]:
+    return Because(Reason.OTHERS_UNPLACED, inputs.others_problem) if inputs.others_problem else None
 
 
 def _missing(value: Optional[Timed[T]], reason: Reason, what: str, now_s: float,

@@ -61,6 +61,7 @@ class Reason(enum.Enum):
     FRAMES_DIFFER = "frames differ"
     NO_CORRECTION = "no correction"
     NODE_LOST = "node lost"
+    OTHERS_UNPLACED = "where other UAVs are is not known"
     FENCES_UNKNOWN = "fences not known"
     FENCED = "vehicle outside its fences"
 
