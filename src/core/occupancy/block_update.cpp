@@ -94,11 +94,13 @@ void update_leaves(OctreeBlock* block, const BlockEvidence& evidence, const Voxe
   VoxelBits bits = block->leaves.bits();
   std::size_t leaves = 0;
   for (int word = 0; word < 64; ++word) {
+    const std::uint64_t in_bodies = evidence.body_bits != nullptr ? (*evidence.body_bits)[word] : 0;
+    const std::uint64_t believed = hits[word] & ~in_bodies;
     for_each_bit(refuted[word], [&](int bit) {
       if (block->log_odds[64 * word + bit] < levels.free_end()) bits[word] &= ~(std::uint64_t{1} << bit);
     });
-    leaves += count_bits(bits[word] | hits[word]);
-    if (leaves <= kMaxLeaves) bits[word] |= hits[word];
+    leaves += count_bits(bits[word] | believed);
+    if (leaves <= kMaxLeaves) bits[word] |= believed;
   }
   block->leaves.assign(bits);
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
@@ -136,14 +138,11 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
     report_hits_of_new(*block, evidence, levels, hits_of_new);
     new_voxels.end_scan(refuted, evidence.scan);
   }
-  VoxelBits believed = hits;
-  if (evidence.body_bits != nullptr) {
-    for (std::size_t word = 0; word < believed.size(); ++word) believed[word] &= ~(*evidence.body_bits)[word];
-  }
+  const VoxelBits& in_bodies = evidence.body_bits != nullptr ? *evidence.body_bits : kNone;
   for (int word = 0; word < 64; ++word) {
-    block->seen[word] |= (evidence.passed[word] & ~(hits[word] & ~believed[word])) | believed[word];
+    block->seen[word] |= (evidence.passed[word] | hits[word]) & ~in_bodies[word];
   }
-  if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, believed, refuted, levels);
+  if (evidence.hit_bits != nullptr || refuted != kNone) update_leaves(block, evidence, hits, refuted, levels);
   // Inner nodes need no work where no level changed: most blocks are free space at the lower clamp, where a miss
   // changes nothing.
   if (applied.any_level_changed || !block->is_summarised()) {

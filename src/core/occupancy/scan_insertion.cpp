@@ -56,6 +56,7 @@ bool ScanInsertion::find_body_hits(const BlockEvidence& evidence, const OctreeBl
                                    VoxelBits* out) const {
   const geometry::Vec3 corner(evidence.first_voxel.x, evidence.first_voxel.y, evidence.first_voxel.z);
   bool is_any = false;
+  out->fill(0);
   for (const HitVoxel* hit = evidence.hits_begin; hit != evidence.hits_end; ++hit) {
     if (block.log_odds[hit->offset] >= forest.levels.occupied_begin()) continue;
     const geometry::Index3 at = geometry::voxel_at({0, 0, 0}, hit->offset);
@@ -172,7 +173,7 @@ BlockUpdate ScanInsertion::update_block(std::uint32_t block, const SurfaceSight&
   evidence.scan_number = forest->recent_scans;
   evidence.scan = forest->scans;
   OctreeBlock& known = forest->window.ensure(static_cast<int>(slot), forest->scale.prior);
-  VoxelBits in_bodies{};
+  VoxelBits in_bodies;
   if (!bodies_.empty() && find_body_hits(evidence, known, *forest, &in_bodies)) evidence.body_bits = &in_bodies;
   const UpdateRules rules{sight, forest->scale, forest->levels};
   const BlockUpdate update = occupancy::update_block(&known, evidence, rules, hits_of_new);
