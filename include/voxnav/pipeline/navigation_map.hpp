@@ -22,6 +22,7 @@ namespace voxnav::pipeline {
 
 class PlacedObstacles;
 class PlacedSightings;
+class TerrainSource;
 
 struct NavigationMapConfig {
   double min_altitude_m = 0.5;
@@ -147,6 +148,7 @@ class NavigationMap {
   std::shared_ptr<const std::vector<containers::OtherUav>> others_O_;
   std::shared_ptr<const planning::Fences> fences_O_;
   mutable std::shared_ptr<const planning::FenceRaster> raster_;  ///< kept while the fences are the same
+  std::shared_ptr<TerrainSource> terrain_;                       ///< made from one view to the next
   mutable std::shared_ptr<const PlacedObstacles> placed_;        ///< kept from one view to the next while nothing moves
 };
 

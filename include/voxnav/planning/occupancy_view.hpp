@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <bitset>
 #include <memory>
 #include <vector>
 
 #include "voxnav/containers/state_grid.hpp"
 #include "voxnav/geometry/aabb.hpp"
+#include "voxnav/planning/block_mask.hpp"
 
 namespace voxnav::planning {
 
@@ -15,9 +15,6 @@ using containers::VoxelState;
 
 struct Sightings;
 class Fences;
-
-/// One bit for each voxel of a block, in the order of geometry::offset_in_block().
-using BlockMask = std::bitset<geometry::kBlockVolume>;
 
 /// The interface through which planning reads a map: free, unknown and occupied voxels on one grid (voxel i covers
 /// [i, i + 1) * resolution in the view's frame). An implementation does not change while a planner uses it, or it is a

@@ -21,7 +21,8 @@ std::vector<std::string> NavigationMapConfig::problems() const {
   return out;
 }
 
-NavigationMap::NavigationMap(const NavigationMapConfig& config) : config_(base::checked(config)) {}
+NavigationMap::NavigationMap(const NavigationMapConfig& config)
+    : config_(base::checked(config)), terrain_(std::make_shared<TerrainSource>()) {}
 
 NavigationMap::Applied NavigationMap::Layer::apply(const containers::GridUpdate& update, std::uint32_t next,
                                                    double resolution_m) {
@@ -135,7 +136,7 @@ std::shared_ptr<const planning::OccupancyView> NavigationMap::view() const {
     const planning::FenceMargins margins{config_.area_margin_m, config_.zone_distance_m};
     raster_ = std::make_shared<planning::FenceRaster>(fences_O_, margins, resolution_m);
   }
-  NavigationView::Content content{local_.grid, placed_, raster_, sightings_, *T_W_O_, *vehicle_O_};
+  NavigationView::Content content{local_.grid, placed_, raster_, sightings_, terrain_, *T_W_O_, *vehicle_O_};
   if (sightings_ != nullptr && sightings_->resolution_m() != resolution_m) content.sightings = nullptr;
   return std::make_shared<NavigationView>(config_, std::move(content));
 }

@@ -14,11 +14,27 @@ using planning::BlockMask;
 
 namespace {
 constexpr int kSide = geometry::kBlockSide;
+/// A voxel whose centre is at a limit of height may be entered, whatever rounding makes of it.
+constexpr double kTolerance = 1e-9;
+
+/// The limits are distances of the centres of voxels from the upper face of the terrain's voxel.
+HeightLimits limits_of(const NavigationMapConfig& config, double resolution_m) {
+  HeightLimits out;
+  if (config.min_height_m > 0.0) {
+    out.low = static_cast<int>(std::ceil(0.5 + config.min_height_m / resolution_m - kTolerance));
+  }
+  if (config.max_height_m > 0.0) {
+    out.high = static_cast<int>(std::floor(0.5 + config.max_height_m / resolution_m + kTolerance));
+  }
+  return out;
 }
+
+}  // namespace
 
 NavigationView::NavigationView(const NavigationMapConfig& config, Content content)
     : config_(config),
       content_(std::move(content)),
+      heights_(limits_of(config, content_.local->resolution_m())),
       min_altitude_m_(config.min_altitude_m),
       max_altitude_m_(config.max_altitude_m) {
   const Vec3& p = content_.vehicle_O;
@@ -111,7 +127,7 @@ std::vector<Index3> NavigationView::known_blocks() const {
   if (bounds_.min.z() < low.z()) add_blocks({bounds_.min, {high.x(), high.y(), low.z()}}, &out);
   if (bounds_.max.z() > high.z()) add_blocks({{low.x(), low.y(), high.z()}, bounds_.max}, &out);
   if (content_.fences != nullptr) content_.fences->add_edge_blocks(bounds_, &out);
-  if (has_height_limits()) add_height_blocks(&out);
+  if (heights_.low || heights_.high) add_height_blocks(&out);
   if (content_.sightings != nullptr) {
     for (const geometry::Aabb& box : content_.sightings->boxes()) add_blocks(box, &out);
   }
@@ -127,6 +143,11 @@ bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) cons
   for (int z = 0; z < kSide; ++z) {
     const double altitude = (block.z * kSide + z + 0.5) * resolution_m() + shift;
     if (altitude >= min_altitude_m_ && altitude <= max_altitude_m_) continue;
+    if (!has_footprint) {
+      hard->set_layer(z);
+      is_any = true;
+      continue;
+    }
     for (int offset = z * kSide * kSide; offset < (z + 1) * kSide * kSide; ++offset) {
       if (has_footprint && is_in_footprint(geometry::voxel_at(block, offset))) continue;
       hard->set(offset);
@@ -138,7 +159,7 @@ bool NavigationView::forbid_altitudes(const Index3& block, BlockMask* hard) cons
 
 const TerrainMap& NavigationView::terrain() const {
   std::call_once(terrain_once_,
-                 [this] { terrain_ = std::make_unique<const TerrainMap>(*content_.local, content_.vehicle_O); });
+                 [this] { terrain_ = content_.terrain->terrain_of(*content_.local, content_.vehicle_O); });
   return *terrain_;
 }
 
@@ -147,39 +168,47 @@ void NavigationView::add_height_blocks(std::vector<Index3>* out) const {
   if (bounds_.empty()) return;
   const double side = kSide * resolution_m();
   const Index3 low = geometry::index_of(bounds_.min, side), high = geometry::index_of(bounds_.max, side);
-  for (int y = low.y; y <= high.y; ++y) {
-    for (int x = low.x; x <= high.x; ++x) {
-      if (!terrain().knows_block(x, y)) continue;
-      for (int z = low.z; z <= high.z; ++z) out->push_back({x, y, z});
+  for (const auto& [index, there] : terrain().columns()) {
+    const bool is_inside = index.x >= low.x && index.x <= high.x && index.y >= low.y && index.y <= high.y;
+    if (!is_inside || !there->is_known_anywhere()) continue;
+    for (int z = low.z; z <= high.z; ++z) out->push_back({index.x, index.y, z});
+  }
+}
+
+/// Takes the voxels out of a mask through which a vehicle outside the limits of height comes back.
+void NavigationView::allow_way_of_vehicle(const Index3& block, const TerrainColumn& there, BlockMask* mask) const {
+  const double radius_sq = config_.footprint_radius_m * config_.footprint_radius_m;
+  const double lowest_way = footprint_.min.z(), highest_way = footprint_.max.z();
+  for (int column = 0; column < kSide * kSide; ++column) {
+    const Index3 first = geometry::voxel_at(block, column);
+    const Vec3 offset = geometry::center_of(first, resolution_m()) - content_.vehicle_O;
+    if (offset.head<2>().squaredNorm() > radius_sq) continue;
+    const std::int32_t ground = there.ground()[static_cast<std::size_t>(column)];
+    if (ground == TerrainColumn::kUnknown) continue;
+    for (int z = 0; z < kSide; ++z) {
+      const double height = (first.z + z + 0.5) * resolution_m();
+      const bool is_low = heights_.low && first.z + z < ground + *heights_.low;
+      if (is_low ? height >= lowest_way : height <= highest_way) {
+        mask->reset(static_cast<std::size_t>(z) * kSide * kSide + static_cast<std::size_t>(column));
+      }
     }
   }
 }
 
 /// Forbids voxels outside the limits of height, but for the way of a vehicle that is outside them itself.
 bool NavigationView::forbid_heights(const Index3& block, BlockMask* hard) const {
-  if (!has_height_limits()) return false;
-  const bool has_lowest = config_.min_height_m > 0.0, has_highest = config_.max_height_m > 0.0;
-  const double radius_sq = config_.footprint_radius_m * config_.footprint_radius_m;
-  const double lowest_way = footprint_.min.z(), highest_way = footprint_.max.z();
-  bool is_any = false;
-  for (int column = 0; column < kSide * kSide; ++column) {
-    const Index3 first = geometry::voxel_at(block, column);
-    const auto ground_m = terrain().height_m(first.x, first.y);
-    if (!ground_m) continue;
-    const Vec3 offset = geometry::center_of(first, resolution_m()) - content_.vehicle_O;
-    const bool is_at_vehicle = offset.head<2>().squaredNorm() <= radius_sq;
-    for (int z = 0; z < kSide; ++z) {
-      const double height = (first.z + z + 0.5) * resolution_m();
-      const bool is_low =
-          has_lowest && height < *ground_m + config_.min_height_m && !(is_at_vehicle && height >= lowest_way);
-      const bool is_high =
-          has_highest && height > *ground_m + config_.max_height_m && !(is_at_vehicle && height <= highest_way);
-      if (!is_low && !is_high) continue;
-      hard->set(static_cast<std::size_t>(z) * kSide * kSide + static_cast<std::size_t>(column));
-      is_any = true;
-    }
-  }
-  return is_any;
+  if (!heights_.low && !heights_.high) return false;
+  const TerrainColumn* there = terrain().column(block.x, block.y);
+  if (there == nullptr) return false;
+  const geometry::Aabb box = box_of(block);
+  const bool is_at_vehicle = (box.min.head<2>().array() <= footprint_.max.head<2>().array()).all() &&
+                             (box.max.head<2>().array() >= footprint_.min.head<2>().array()).all();
+  if (!is_at_vehicle) return there->forbid(block.z, heights_, hard);
+  BlockMask outside;
+  if (!there->forbid(block.z, heights_, &outside)) return false;
+  allow_way_of_vehicle(block, *there, &outside);
+  *hard |= outside;
+  return outside.any();
 }
 
 bool NavigationView::forbid_obstacles(const Index3& block, BlockMask* mask) const {

@@ -20,6 +20,7 @@ class NavigationView : public planning::OccupancyView {
     std::shared_ptr<const PlacedObstacles> obstacles;     ///< of the global map, may be null
     std::shared_ptr<const planning::FenceRaster> fences;  ///< may be null
     std::shared_ptr<const PlacedSightings> sightings;     ///< of the newest sweep, may be null
+    std::shared_ptr<TerrainSource> terrain;               ///< of which the terrain under the map is asked, not null
     geometry::Pose T_W_O;
     geometry::Vec3 vehicle_O;
   };
@@ -44,19 +45,20 @@ class NavigationView : public planning::OccupancyView {
   void add_height_blocks(std::vector<geometry::Index3>* out) const;
   bool forbid_altitudes(const geometry::Index3& block, planning::BlockMask* hard) const;
   bool forbid_heights(const geometry::Index3& block, planning::BlockMask* hard) const;
-  bool has_height_limits() const { return config_.min_height_m > 0.0 || config_.max_height_m > 0.0; }
+  void allow_way_of_vehicle(const geometry::Index3& block, const TerrainColumn& there, planning::BlockMask* mask) const;
   /// The terrain under the map, which is found when it is first asked for: only plans need it.
   const TerrainMap& terrain() const;
   bool forbid_obstacles(const geometry::Index3& block, planning::BlockMask* mask) const;
 
   NavigationMapConfig config_;
   Content content_;
+  HeightLimits heights_;
   double min_altitude_m_;  ///< limits in the map frame
   double max_altitude_m_;
   geometry::Aabb bounds_;
   geometry::Aabb footprint_;
   mutable std::once_flag terrain_once_;
-  mutable std::unique_ptr<const TerrainMap> terrain_;
+  mutable std::shared_ptr<const TerrainMap> terrain_;
 };
 
 }  // namespace voxnav::pipeline

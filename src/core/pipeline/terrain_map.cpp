@@ -4,92 +4,122 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+
+#include "pipeline/opening.hpp"
 
 namespace voxnav::pipeline {
 namespace {
 
 using containers::StateBlock;
 using geometry::Index3;
+using Heights = TerrainColumn::Heights;
 
 constexpr int kSide = geometry::kBlockSide;
 constexpr std::uint64_t kLowBits = 0x5555555555555555ull;
-constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max();
+constexpr std::int32_t kUnknown = TerrainColumn::kUnknown;
+
+Index3 at_bottom(const Index3& block) { return {block.x, block.y, 0}; }
+
+/// Lowers the heights to the lowest occupied voxels of a block.
+void lower(const Index3& block, const StateBlock& states, Heights* heights) {
+  for (int word = 0; word < static_cast<int>(states.words.size()); ++word) {
+    // The higher bit of the two of a voxel is set if it is occupied.
+    for (std::uint64_t bits = (states.words[word] >> 1) & kLowBits; bits != 0; bits &= bits - 1) {
+      const int offset = word * 32 + __builtin_ctzll(bits) / 2;
+      std::int32_t& lowest = (*heights)[static_cast<std::size_t>(offset % (kSide * kSide))];
+      lowest = std::min(lowest, block.z * kSide + offset / (kSide * kSide));
+    }
+  }
+}
+
+/// Calls what(index) for the columns of blocks up to a distance from one, itself included.
+template <class What>
+void for_each_near(const Index3& block, int reach, What what) {
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) what(Index3{block.x + dx, block.y + dy, 0});
+  }
+}
 
 }  // namespace
 
-TerrainMap::TerrainMap(const containers::StateGrid& grid, const geometry::Vec3& vehicle)
-    : resolution_m_(grid.resolution_m()) {
-  read(grid, vehicle);
-  const int reach = static_cast<int>(std::lround(kWindow_m / resolution_m_));
-  heights_ = filtered(heights_, reach, [](std::int32_t a, std::int32_t b) { return std::min(a, b); });
-  heights_ = filtered(heights_, reach, [](std::int32_t a, std::int32_t b) { return std::max(a, b); });
-}
-
-void TerrainMap::read(const containers::StateGrid& grid, const geometry::Vec3& vehicle) {
-  const Index3 middle = geometry::index_of(vehicle, kSide * resolution_m_);
+TerrainMap::Lowest TerrainMap::read(const containers::StateGrid& grid, const geometry::Vec3& vehicle) {
   constexpr int kBlocks = kRadius / kSide;
-  std::vector<Index3> near;
-  for (const Index3& block : grid.sorted_block_indices()) {
-    if (std::abs(block.x - middle.x) <= kBlocks && std::abs(block.y - middle.y) <= kBlocks) near.push_back(block);
+  const Index3 middle = geometry::index_of(vehicle, kSide * grid.resolution_m());
+  Lowest out;
+  for (const auto& [block, states] : grid.blocks()) {
+    if (std::abs(block.x - middle.x) > kBlocks || std::abs(block.y - middle.y) > kBlocks) continue;
+    const auto [it, is_new] = out.try_emplace(at_bottom(block));
+    if (is_new) it->second.fill(kUnknown);
+    lower(block, states, &it->second);
   }
-  if (near.empty()) return;
-  Index3 low = near.front(), high = near.front();
-  for (const Index3& block : near) {
-    low = {std::min(low.x, block.x), std::min(low.y, block.y), 0};
-    high = {std::max(high.x, block.x), std::max(high.y, block.y), 0};
+  return out;
+}
+
+TerrainMap::TerrainMap(const containers::StateGrid& grid, const geometry::Vec3& vehicle, const TerrainMap* before)
+    : resolution_m_(grid.resolution_m()), reach_(static_cast<int>(std::lround(kWindow_m / resolution_m_))) {
+  if (before != nullptr && before->resolution_m_ != resolution_m_) before = nullptr;
+  const Lowest lowest = read(grid, vehicle);
+  const int reach = (2 * reach_ + kSide - 1) / kSide;
+  std::set<Index3> changed;  // columns of blocks whose ground may be another one
+  for (const auto& [block, heights] : lowest) {
+    const TerrainColumn* old = before == nullptr ? nullptr : before->column(block.x, block.y);
+    if (old != nullptr && old->lowest_occupied() == heights) continue;
+    for_each_near(block, reach, [&](const Index3& near) { changed.insert(near); });
   }
-  low_ = {low.x * kSide, low.y * kSide, 0};
-  width_ = (high.x - low.x + 1) * kSide;
-  depth_ = (high.y - low.y + 1) * kSide;
-  heights_.assign(static_cast<std::size_t>(width_) * depth_, kUnknown);
-  for (const Index3& block : near) {
-    const StateBlock& states = *grid.find_block(block);
-    for (int word = 0; word < static_cast<int>(states.words.size()); ++word) {
-      // The higher bit of the two of a voxel is set if it is occupied.
-      for (std::uint64_t bits = (states.words[word] >> 1) & kLowBits; bits != 0; bits &= bits - 1) {
-        const Index3 voxel = geometry::voxel_at(block, word * 32 + __builtin_ctzll(bits) / 2);
-        std::int32_t& lowest = heights_[static_cast<std::size_t>(voxel.y - low_.y) * width_ + (voxel.x - low_.x)];
-        lowest = std::min(lowest, voxel.z);
-      }
+  if (before != nullptr) {
+    for (const auto& entry : before->columns_) {
+      if (lowest.count(entry.first) > 0) continue;
+      for_each_near(entry.first, reach, [&](const Index3& near) { changed.insert(near); });
     }
+  }
+  for (const auto& [block, heights] : lowest) {
+    if (before != nullptr && changed.count(block) == 0) {
+      columns_.emplace(block, before->columns_.at(block));
+      continue;
+    }
+    const Heights ground = ground_of(block, lowest);
+    const auto old = before == nullptr ? Columns::const_iterator() : before->columns_.find(block);
+    const bool is_same = before != nullptr && old != before->columns_.end() && old->second->ground() == ground &&
+                         old->second->lowest_occupied() == heights;
+    columns_.emplace(block, is_same ? old->second : std::make_shared<const TerrainColumn>(heights, ground));
   }
 }
 
-template <class Pick>
-TerrainMap::Heights TerrainMap::filtered(const Heights& in, int reach, Pick pick) const {
-  const auto pass = [&](const Heights& from, int length, int count, std::ptrdiff_t step, std::ptrdiff_t line) {
-    Heights to(from.size(), kUnknown);
-    for (int row = 0; row < count; ++row) {
-      for (int i = 0; i < length; ++i) {
-        std::int32_t& best = to[static_cast<std::size_t>(row * line + i * step)];
-        for (int k = std::max(0, i - reach); k <= std::min(length - 1, i + reach); ++k) {
-          const std::int32_t there = from[static_cast<std::size_t>(row * line + k * step)];
-          if (there != kUnknown) best = best == kUnknown ? there : pick(best, there);
-        }
-      }
-    }
-    return to;
-  };
-  return pass(pass(in, width_, depth_, 1, width_), depth_, width_, width_, 1);
-}
-
-std::int32_t TerrainMap::at(int x, int y) const {
-  const int column = x - low_.x, row = y - low_.y;
-  if (column < 0 || row < 0 || column >= width_ || row >= depth_) return kUnknown;
-  return heights_[static_cast<std::size_t>(row) * width_ + column];
+Heights TerrainMap::ground_of(const Index3& block, const Lowest& lowest) const {
+  const int reach = (2 * reach_ + kSide - 1) / kSide, margin = reach * kSide;
+  Opening opening(kSide, margin, reach_);
+  for_each_near(block, reach, [&](const Index3& near) {
+    const auto found = lowest.find(near);
+    if (found == lowest.end()) return;
+    const int x0 = (near.x - block.x) * kSide, y0 = (near.y - block.y) * kSide;
+    for (int y = 0; y < kSide; ++y)
+      opening.set_row(x0, y0 + y, &found->second[static_cast<std::size_t>(y * kSide)], kSide);
+  });
+  Heights out;
+  opening.run(&out[0]);
+  return out;
 }
 
 std::optional<double> TerrainMap::height_m(int x, int y) const {
-  const std::int32_t height = at(x, y);
+  const Index3 voxel{x, y, 0}, block = geometry::block_of(voxel);
+  const TerrainColumn* there = column(block.x, block.y);
+  if (there == nullptr) return std::nullopt;
+  const std::int32_t height = there->ground()[static_cast<std::size_t>(geometry::offset_in_block(voxel))];
   if (height == kUnknown) return std::nullopt;
   return (height + 1) * resolution_m_;
 }
 
-bool TerrainMap::knows_block(int x, int y) const {
-  for (int i = 0; i < kSide * kSide; ++i) {
-    if (at(x * kSide + i % kSide, y * kSide + i / kSide) != kUnknown) return true;
-  }
-  return false;
+const TerrainColumn* TerrainMap::column(int block_x, int block_y) const {
+  const auto found = columns_.find(Index3{block_x, block_y, 0});
+  return found == columns_.end() ? nullptr : found->second.get();
+}
+
+std::shared_ptr<const TerrainMap> TerrainSource::terrain_of(const containers::StateGrid& grid,
+                                                            const geometry::Vec3& vehicle) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  newest_ = std::make_shared<const TerrainMap>(grid, vehicle, newest_.get());
+  return newest_;
 }
 
 }  // namespace voxnav::pipeline

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "box_grid.hpp"
+#include "pipeline/opening.hpp"
 #include "pipeline/terrain_map.hpp"
 #include "voxnav/pipeline/navigation_map.hpp"
 #include "voxnav/planning/path_planner.hpp"
@@ -103,12 +105,97 @@ TEST(TerrainMap, IsNotKnownWhereTheMapShowsNothing) {
   const pipeline::TerrainMap terrain(*grid, {30, 10, 10});
   EXPECT_FALSE(terrain.height_m(500, 10));
   EXPECT_FALSE(terrain.height_m(-500, 10));
-  EXPECT_TRUE(terrain.knows_block(0, 0));
-  EXPECT_FALSE(terrain.knows_block(40, 0));
+  ASSERT_NE(terrain.column(0, 0), nullptr);
+  EXPECT_TRUE(terrain.column(0, 0)->is_known_anywhere());
+  EXPECT_EQ(terrain.column(40, 0), nullptr);
   const pipeline::TerrainMap far(*grid, {5000, 0, 0});
   EXPECT_FALSE(far.height_m(10, 10));
   EXPECT_FALSE(pipeline::TerrainMap(containers::StateGrid(0.4), {0, 0, 0}).height_m(0, 0));
   EXPECT_FALSE(pipeline::TerrainMap(*test::box_grid({0, 0, 0}, {9, 9, 9}), {0, 0, 0}).height_m(0, 0));
+}
+
+TEST(TerrainMap, IsTheSameWhenItIsMadeOfTheOneBefore) {
+  std::mt19937 random(7);
+  const auto number = [&](int low, int high) { return low + static_cast<int>(random() % (high - low + 1)); };
+  const auto grid = hilly_grid();
+  auto terrain = std::make_unique<pipeline::TerrainMap>(*grid, Vec3(30, 10, 10));
+  for (int round = 0; round < 30; ++round) {
+    const geometry::Index3 corner{number(0, 110), number(0, 36), number(0, 12)};
+    const VoxelState state = round % 3 == 0 ? VoxelState::kOccupied : VoxelState::kFree;
+    test::fill(grid.get(), corner, corner + geometry::Index3{number(0, 9), number(0, 3), number(0, 20)}, state);
+    if (round % 5 == 4) grid->erase_block({number(0, 7), number(0, 2), 0});
+    const auto kept = std::make_unique<pipeline::TerrainMap>(*grid, Vec3(30, 10, 10), terrain.get());
+    const pipeline::TerrainMap fresh(*grid, {30, 10, 10});
+    ASSERT_EQ(kept->columns().size(), fresh.columns().size());
+    int num_kept = 0;
+    for (const auto& [index, column] : fresh.columns()) {
+      const pipeline::TerrainColumn* other = kept->column(index.x, index.y);
+      ASSERT_NE(other, nullptr);
+      ASSERT_EQ(other->ground(), column->ground()) << index.x << ' ' << index.y;
+      num_kept += other == terrain->column(index.x, index.y) ? 1 : 0;
+    }
+    EXPECT_GT(num_kept, 0);
+    *terrain = *kept;
+  }
+}
+
+TEST(TerrainMap, ForbidsWhatIsOutsideTheLimitsInEachColumn) {
+  for (const pipeline::HeightLimits& limits :
+       {pipeline::HeightLimits{3, std::nullopt}, pipeline::HeightLimits{std::nullopt, 14},
+        pipeline::HeightLimits{3, 14}}) {
+    const pipeline::TerrainMap terrain(*hilly_grid(), {30, 10, 10});
+    for (const auto& [index, column] : terrain.columns()) {
+      for (int z = -2; z < 4; ++z) {
+        planning::BlockMask mask;
+        const bool is_any = column->forbid(z, limits, &mask);
+        EXPECT_EQ(is_any, mask.any());
+        for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
+          const int height = z * 16 + offset / 256, ground = column->ground()[static_cast<std::size_t>(offset % 256)];
+          const bool is_known = ground != pipeline::TerrainColumn::kUnknown;
+          const bool is_outside = is_known && ((limits.low && height < ground + *limits.low) ||
+                                               (limits.high && height > ground + *limits.high));
+          ASSERT_EQ(mask[static_cast<std::size_t>(offset)], is_outside) << height << ' ' << ground;
+        }
+      }
+    }
+  }
+}
+
+TEST(Opening, IsTheGreatestOfTheLeastHeightsInTheWindow) {
+  std::mt19937 random(3);
+  constexpr int kSide = 6, kReach = 2, kMargin = 5, kWidth = kSide + 2 * kMargin;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::int32_t> cells(kWidth * kWidth);
+    std::vector<bool> is_set(cells.size());
+    pipeline::Opening opening(kSide, kMargin, kReach);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      is_set[i] = random() % 4 != 0;
+      cells[i] = is_set[i] && random() % 3 != 0 ? static_cast<int>(random() % 9) : pipeline::Opening::kUnknown;
+      const int x = static_cast<int>(i) % kWidth, y = static_cast<int>(i) / kWidth;
+      if (is_set[i]) opening.set_row(x - kMargin, y - kMargin, &cells[i], 1);
+    }
+    const auto window = [&](int x, int y, auto visit) {
+      for (int v = std::max(0, y - kReach); v <= std::min(kWidth - 1, y + kReach); ++v) {
+        for (int u = std::max(0, x - kReach); u <= std::min(kWidth - 1, x + kReach); ++u) visit(u, v);
+      }
+    };
+    std::vector<std::int32_t> found(kSide * kSide);
+    opening.run(&found[0]);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        std::int32_t best = INT32_MIN;
+        window(x + kMargin, y + kMargin, [&](int u, int v) {
+          std::int32_t least = pipeline::Opening::kUnknown;
+          window(u, v, [&](int s, int t) { least = std::min(least, cells[static_cast<std::size_t>(t * kWidth + s)]); });
+          if (is_set[static_cast<std::size_t>(v * kWidth + u)] && least != pipeline::Opening::kUnknown) {
+            best = std::max(best, least);
+          }
+        });
+        EXPECT_EQ(found[static_cast<std::size_t>(y * kSide + x)],
+                  best == INT32_MIN ? pipeline::Opening::kUnknown : best);
+      }
+    }
+  }
 }
 
 TEST(TerrainMap, PathsKeepTheirHeightsOverAHill) {

@@ -49,9 +49,12 @@ BlockColumns columns_of(const BlockMask& mask) {
     out.fill(kWholeColumn);
     return out;
   }
-  for (int offset = 0; offset < geometry::kBlockVolume; ++offset) {
-    if (mask[offset])
-      out[offset % kColumns] = static_cast<std::uint16_t>(out[offset % kColumns] | 1u << (offset / kColumns));
+  for (std::size_t word = 0; word < BlockMask::kNumWords; ++word) {
+    const std::size_t first = word * 64 % kColumns, z = word * 64 / kColumns;
+    for (std::uint64_t bits = mask.words()[word]; bits != 0; bits &= bits - 1) {
+      std::uint16_t& column = out[first + static_cast<std::size_t>(__builtin_ctzll(bits))];
+      column = static_cast<std::uint16_t>(column | 1u << z);
+    }
   }
   return out;
 }
