@@ -33,6 +33,14 @@ struct SafetyAreaConfig {
 /// @param p  in the frame of the first estimator
 bool is_inside(const SafetyAreaConfig& area, const Vec3& p);
 
+/// Which limits of the area count: the control manager also answers for the border alone, whatever the height.
+enum class SafetyLimits { kBorder, kBorderAndHeights };
+
+/// @param p  in the frame of the first estimator
+bool is_inside(const SafetyAreaConfig& area, const Vec3& p, SafetyLimits limits);
+/// Whether the straight way between two places is inside (mrs_lib/src/safety_zone: isPathValid).
+bool is_way_inside(const SafetyAreaConfig& area, const Vec3& from, const Vec3& to, SafetyLimits limits);
+
 struct SafetyVerdict {
   std::string refusal;       ///< why the trajectory is refused; empty if it is not
   bool is_modified = false;  ///< whether its tail was cut, so that it ends at its last point inside

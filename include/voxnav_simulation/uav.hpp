@@ -5,59 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "voxnav_simulation/dynamics_limits.hpp"
-#include "voxnav_simulation/gnss_drift.hpp"
-#include "voxnav_simulation/imu_model.hpp"
 #include "voxnav_simulation/sensed_world.hpp"
 #include "voxnav_simulation/tracker.hpp"
-#include "voxnav_simulation/uav_faults.hpp"
+#include "voxnav_simulation/uav_setup.hpp"
 
 namespace voxnav_simulation {
-
-struct UavConfig {
-  std::array<double, 2> start_m{0.0, 0.0};
-  double start_heading_rad = 0.0;
-  double standing_height_m = 0.25;
-  double take_off_height_m = 2.0;
-  double rangefinder_max_m = 40.0;
-  double rangefinder_noise_m = 0.02;
-
-  template <class V>
-  static void fields(V&& v) {
-    using C = UavConfig;
-    using voxnav::base::in;
-    v("start_m", &C::start_m, in(-5000, 5000), "m", "where the vehicle stands at first");
-    v("start_heading_rad", &C::start_heading_rad, in(-6.3, 6.3), "rad", "its heading at first");
-    v("standing_height_m", &C::standing_height_m, in(0, 2), "m", "body origin above the ground when standing");
-    v("take_off_height_m", &C::take_off_height_m, in(0.5, 50), "m", "height above the ground that take-off ends at");
-    v("rangefinder_max_m", &C::rangefinder_max_m, in(1, 500), "m", "the rangefinder sees nothing farther away");
-    v("rangefinder_noise_m", &C::rangefinder_noise_m, in(0, 1), "m", "standard deviation of a range");
-  }
-};
-
-enum class FlightPhase { kIdle, kTakingOff, kFlying, kLanding };
-
-/// The pose and motion of the body in one frame.
-struct BodyState {
-  Pose pose = Pose::Identity();          ///< body B in the frame
-  Vec3 velocity = Vec3::Zero();          ///< of B, in the frame
-  Vec3 acceleration = Vec3::Zero();      ///< of B, in the frame
-  Vec3 angular_velocity = Vec3::Zero();  ///< in B
-};
-
-struct CommandResult {
-  bool success = false;
-  std::string message;
-};
-
-/// The parts of a simulated vehicle.
-struct UavSetup {
-  UavConfig uav;
-  GnssDriftConfig drift;
-  ImuConfig imu;
-  TrackerLimits limits = limits_of(UavConstraintsConfig{}, ConstraintSet::kMedium);
-  UavFaults faults;
-};
 
 /// A multirotor as mapping and planning see it: it follows references within limits, tilts as its accelerations
 /// require, and controls by an estimate that drifts away from the truth. Commands and predictions are in the frame O of
@@ -78,6 +30,15 @@ class Uav {
   CommandResult take_off();
   CommandResult land();
   CommandResult hover();
+  /// Emergencies (mrs_uav_managers/src/control_manager/control_manager.cpp: ehover, eland, failsafe). They take the
+  /// callbacks away. An emergency hover lasts until somebody switches tracker and controller and enables the callbacks;
+  /// the other two end on the ground. The simulated failsafe brakes like a landing, a real one does not.
+  CommandResult ehover();
+  CommandResult eland();
+  CommandResult failsafe();
+  /// Activates the tracker or the controller of normal flight again, after an emergency hover.
+  CommandResult switch_to_normal_tracker();
+  CommandResult switch_to_normal_controller();
   CommandResult go_to(const HeadedPoint& goal_O);
   CommandResult set_trajectory(const TrackedTrajectory& trajectory_O);
   void set_limits(const TrackerLimits& limits) { tracker_.set_limits(limits); }
@@ -85,6 +46,8 @@ class Uav {
   void enable_callbacks(bool is_enabled) { has_callbacks_ = is_enabled; }
   /// Lets a pilot take the vehicle by remote control, and first hold it where it is, or give it back.
   CommandResult set_remote(bool is_remote);
+  /// Takes what a message of obstacle sectors tells, for a bumper that heeds them.
+  void set_sectors(const SectorRanges& sectors) { sectors_ = {sectors, stamp_ns_}; }
 
   FlightPhase phase() const { return phase_; }
   const BodyState& truth() const { return truth_; }        ///< in W
@@ -99,8 +62,11 @@ class Uav {
   bool is_remote() const { return is_remote_; }
   /// Whether the vehicle flies to what it is told: in the air, and nobody else has it.
   bool is_flying_normally() const {
-    return phase_ == FlightPhase::kFlying && has_callbacks_ && !is_remote_ && !is_repelled_;
+    return phase_ == FlightPhase::kFlying && has_callbacks_ && !is_remote_ && !is_repelled_ && !is_in_emergency();
   }
+  /// Whether the tracker of take-off and landing holds the vehicle in the air after an emergency hover.
+  bool is_held() const { return is_held_; }
+  ActiveController controller() const { return controller_; }
   /// Whether the vehicle flies over another one.
   bool is_avoiding() const { return climb_.floor_m().has_value(); }
   /// Returns the height of the body above the ground, or nothing outside of the world.
@@ -115,6 +81,11 @@ class Uav {
  private:
   std::string refusal() const;
   std::string reference_refusal() const;
+  bool is_in_emergency() const { return is_held_ || controller_ != ActiveController::kNormal; }
+  std::string emergency_refusal(const char* what) const;
+  void begin_landing(const Vec3& goal);
+  std::optional<Vec3> landing_place() const;
+  std::optional<Vec3> push() const;
   void place(double dt_s);
   void stand();
   void meet_faults();
@@ -150,6 +121,13 @@ class Uav {
   bool is_repelled_ = false;
   bool has_callbacks_ = true;
   bool is_remote_ = false;
+  bool is_held_ = false;
+  ActiveController controller_ = ActiveController::kNormal;
+  struct HeardSectors {
+    SectorRanges ranges;
+    voxnav::base::StampNs stamp_ns = 0;
+  };
+  std::optional<HeardSectors> sectors_;
 };
 
 /// Returns the orientation of a multirotor whose thrust gives this acceleration. Seen from above, the body's x axis

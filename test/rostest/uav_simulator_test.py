@@ -14,11 +14,11 @@ from geometry_msgs.msg import Point
 from mrs_msgs.msg import ControlManagerDiagnostics, DynamicsConstraints, Path, Reference, TrackerCommand
 from mrs_msgs.msg import ReferenceStamped, TrajectoryReference, UavState
 from mrs_msgs.srv import (GetPathSrv, ReferenceStampedSrv, String, TrajectoryReferenceSrv, TransformReferenceSrv,
-                          Vec4)
+                          ValidateReference, ValidateReferenceArray, ValidateReferenceArrayRequest, Vec4)
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 
 from voxnav.msg import Progress
@@ -219,6 +219,48 @@ class UavSimulatorTest(unittest.TestCase):
         there = self.expressed("latlon_origin", Point(49.3625 + 1e-3, 14.2613, 7.0), "world_origin")
         self.assertLess(distance(there, Point(0.0, 111.3, 7.0)), 0.1)
 
+    def test_6d_references_are_validated_against_the_safety_area(self):
+        """The area is a square of 400 m, from -100 m to 90 m of height; no straight way within it leaves it."""
+        for name, is_high_valid in (("validate_reference", False), ("validate_reference_2d", True)):
+            validate = service("control_manager/" + name, ValidateReference)
+
+            def answer(place, frame="world_origin"):
+                msg = ReferenceStamped(reference=reference(*place))
+                msg.header.frame_id = frame
+                return validate(msg)
+            self.assertEqual(answer((20, 0, 3)).message, "the reference is ok")
+            self.assertTrue(answer((20, 0, 3)).success)
+            self.assertEqual(answer((220, 0, 3)).message, "the point is outside of the safety area")
+            self.assertEqual(answer((20, 0, 95)).success, is_high_valid)
+            self.assertEqual(answer((20, float("nan"), 3)).message, "NaNs/infs in input!")
+            self.assertEqual(answer((20, 0, 3), "nowhere").message, "the reference could not be transformed")
+        many = service("control_manager/validate_reference_array", ValidateReferenceArray)
+        request = ValidateReferenceArrayRequest()
+        request.array.header.frame_id = "world_origin"
+        request.array.array = [reference(20, 0, 3), reference(220, 0, 3), reference(20, 0, 95)]
+        self.assertEqual(list(many(request).success), [True, False, False])
+        request.array.header.frame_id = "nowhere"
+        with self.assertRaises(rospy.ServiceException):
+            many(request)
+
+    def test_6e_an_emergency_hover_lasts_until_a_person_ends_it(self):
+        goto = service("control_manager/goto_relative", Vec4)
+        self.assertTrue(service("control_manager/ehover", Trigger)().success)
+        wait_for(lambda: self.control.message.active_controller == "EmergencyController", "the emergency hover")
+        said = self.control.message
+        self.assertEqual(said.active_tracker, "LandoffTracker")
+        self.assertTrue(said.output_enabled and not said.flying_normally)
+        self.assertFalse(said.tracker_status.callbacks_enabled)
+        self.assertFalse(goto([1.0, 0.0, 0.0, 0.0]).success)
+        self.assertIn("does not implement", service("control_manager/hover", Trigger)().message)
+        self.assertFalse(service("control_manager/switch_tracker", String)("NullTracker").success)
+        self.assertTrue(service("control_manager/switch_tracker", String)("MpcTracker").success)
+        self.assertTrue(service("control_manager/switch_controller", String)("Se3Controller").success)
+        self.assertFalse(goto([1.0, 0.0, 0.0, 0.0]).success)
+        self.assertTrue(service("control_manager/enable_callbacks", SetBool)(True).success)
+        wait_for(lambda: self.control.message.flying_normally, "normal flight")
+        self.assertTrue(goto([1.0, 0.0, 0.0, 0.0]).success)
+
     def test_7_time_waits_for_the_planner_but_not_for_ever(self):
         cls = type(self)
         cls.is_reporting = False
@@ -243,6 +285,21 @@ class UavSimulatorTest(unittest.TestCase):
         self.assertTrue(service("uav_manager/land", Trigger)().success)
         wait_for(lambda: not self.control.message.output_enabled, "landing")
         self.assertFalse(service("control_manager/hover", Trigger)().success)
+        self.assertIn("while not flying", service("control_manager/eland", Trigger)().message)
+
+    def test_8b_emergency_landing_and_failsafe_end_on_the_ground(self):
+        for name, tracker, controller in (("eland", "LandoffTracker", "EmergencyController"),
+                                          ("failsafe", "MpcTracker", "FailsafeController")):
+            self.assertTrue(service("uav_manager/takeoff", Trigger)().success)
+            wait_for(lambda: self.control.message.flying_normally, "take-off")
+            self.assertTrue(service("control_manager/" + name, Trigger)().success)
+            wait_for(lambda: not self.control.message.flying_normally, name)
+            said = self.control.message
+            self.assertEqual((said.active_tracker, said.active_controller), (tracker, controller))
+            is_landing = said.tracker_status.state == said.tracker_status.STATE_LAND
+            self.assertEqual(is_landing, name == "eland")  # the failsafe leaves the tracker as it is
+            self.assertIn("already triggered", service("control_manager/" + name, Trigger)().message)
+            wait_for(lambda: not self.control.message.output_enabled, "the end of " + name)
 
     def test_9_imu_rate(self):
         stamps = []

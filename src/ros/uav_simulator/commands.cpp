@@ -3,6 +3,7 @@
 
 #include <mrs_msgs/TrajectoryReference.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "voxnav_ros/conversions.hpp"
@@ -37,6 +38,8 @@ UavCommands::UavCommands(ros::NodeHandle& nh, const Shared& shared, UavFrames& f
   advertise_references(nh);
   advertise_trajectories(nh);
   advertise_others(nh);
+  advertise_emergencies(nh);
+  advertise_validation(nh);
 }
 
 void UavCommands::let_pass(Duration duration) {
@@ -82,21 +85,12 @@ void UavCommands::advertise_triggers(ros::NodeHandle& nh) {
   });
   trigger(nh, "uav_manager/land", [this] { return shared_.uav->land(); });
   trigger(nh, "control_manager/hover", [this] { return shared_.uav->hover(); });
-  trigger(nh, "control_manager/ehover", [this] { return shared_.uav->hover(); });
   trigger(nh, "control_manager/stop_trajectory_tracking", [this] { return stop_tracking(); });
   trigger(nh, "control_manager/start_trajectory_tracking", [this] { return start_tracking(); });
   trigger(nh, "control_manager/resume_trajectory_tracking", [this] { return resume_tracking(); });
   trigger(nh, "control_manager/goto_trajectory_start", [this] { return go_to_start(); });
-  using Callback = boost::function<bool(mrs_msgs::String::Request&, mrs_msgs::String::Response&)>;
-  services_.push_back(
-      nh.advertiseService("constraint_manager/set_constraints",
-                          Callback([this](mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
-                            const std::lock_guard<std::mutex> lock(*shared_.mutex);
-                            const Result result = set_constraints(request.value);
-                            response.success = result.success;
-                            response.message = result.message;
-                            return true;
-                          })));
+  serve_string(nh, "constraint_manager/set_constraints",
+               [this](const std::string& name) { return set_constraints(name); });
 }
 
 UavCommands::Result UavCommands::set_constraints(const std::string& name) {
@@ -147,7 +141,8 @@ UavCommands::Result UavCommands::go_to(const std_msgs::Header& header, const mrs
 }
 
 UavCommands::Result UavCommands::go_to(const HeadedPoint& goal_O) {
-  if (!is_inside(config_.safety_area, goal_O.position)) {
+  // As in MRS, what is not finite is refused as such, before the safety area is asked.
+  if (is_finite(goal_O) && !is_inside(config_.safety_area, goal_O.position)) {
     return {false, "failed to set the reference, the point is outside of the safety area!"};
   }
   return shared_.uav->go_to(goal_O);
@@ -203,6 +198,10 @@ UavCommands::Flown UavCommands::fly(const mrs_msgs::TrajectoryReference& msg) {
   if (!T_O_frame) return {{false, no_transform(msg.header.frame_id, frames_)}};
   TrackedTrajectory trajectory;
   for (const auto& point : msg.points) trajectory.points.push_back(transformed(*T_O_frame, from_msg(point)));
+  const auto& points = trajectory.points;
+  if (!std::all_of(points.begin(), points.end(), [](const HeadedPoint& point) { return is_finite(point); })) {
+    return {{false, "the trajectory contains a value that is not finite"}};
+  }
   trajectory.dt_s = msg.dt <= 1e-4 ? kDefaultDt_s : msg.dt;
   trajectory.use_heading = msg.use_heading;
   trajectory.is_loop = msg.loop;

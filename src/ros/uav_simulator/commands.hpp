@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mrs_msgs/GetPathSrv.h>
+#include <mrs_msgs/ObstacleSectors.h>
 #include <mrs_msgs/PathSrv.h>
 #include <mrs_msgs/ReferenceStamped.h>
 #include <mrs_msgs/ReferenceStampedSrv.h>
@@ -58,9 +59,16 @@ class UavCommands {
   void advertise_references(ros::NodeHandle& nh);
   void advertise_trajectories(ros::NodeHandle& nh);
   void advertise_others(ros::NodeHandle& nh);
+  void advertise_emergencies(ros::NodeHandle& nh);
+  void advertise_validation(ros::NodeHandle& nh);
+  void serve_string(ros::NodeHandle& nh, const std::string& name,
+                    const std::function<Result(const std::string&)>& command);
   void set_bool(ros::NodeHandle& nh, const std::string& name, const std::function<Result(bool)>& command);
   void trigger(ros::NodeHandle& nh, const std::string& name, const std::function<Result()>& command);
 
+  void hear_sectors(const mrs_msgs::ObstacleSectors& msg);
+  Result validate(const std_msgs::Header& header, const mrs_msgs::Reference& reference,
+                  voxnav_simulation::SafetyLimits limits);
   Result set_constraints(const std::string& name);
   Result stop_tracking();
   Result start_tracking();

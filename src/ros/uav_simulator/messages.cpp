@@ -9,6 +9,7 @@
 namespace voxnav_ros::uav_messages {
 namespace {
 
+using voxnav_simulation::ActiveController;
 using voxnav_simulation::FlightPhase;
 using voxnav_simulation::KinematicState;
 using voxnav_simulation::TrackerMode;
@@ -47,7 +48,8 @@ std::uint8_t tracker_state(const Uav& uav) {
   using Status = mrs_msgs::TrackerStatus;
   if (uav.phase() == FlightPhase::kIdle) return Status::STATE_IDLE;
   if (uav.phase() == FlightPhase::kTakingOff) return Status::STATE_TAKEOFF;
-  if (uav.phase() == FlightPhase::kLanding) return Status::STATE_LAND;
+  if (uav.phase() == FlightPhase::kLanding && uav.controller() != ActiveController::kFailsafe)
+    return Status::STATE_LAND;
   if (uav.tracker().mode() == TrackerMode::kTrajectory) return Status::STATE_TRAJECTORY;
   if (uav.tracker().mode() == TrackerMode::kGoal) return Status::STATE_REFERENCE;
   return Status::STATE_HOVER;
@@ -55,7 +57,14 @@ std::uint8_t tracker_state(const Uav& uav) {
 
 const char* tracker_name(const Uav& uav) {
   if (uav.phase() == FlightPhase::kIdle) return "NullTracker";
-  return uav.phase() == FlightPhase::kFlying ? "MpcTracker" : "LandoffTracker";
+  // The failsafe controller needs no tracker, and leaves the active one as it is.
+  if (uav.controller() == ActiveController::kFailsafe) return "MpcTracker";
+  return uav.phase() == FlightPhase::kFlying && !uav.is_held() ? "MpcTracker" : "LandoffTracker";
+}
+
+const char* controller_name(const Uav& uav) {
+  if (uav.phase() == FlightPhase::kIdle || uav.controller() == ActiveController::kFailsafe) return "FailsafeController";
+  return uav.controller() == ActiveController::kEmergency ? "EmergencyController" : "Se3Controller";
 }
 
 }  // namespace
@@ -156,11 +165,11 @@ mrs_msgs::ControlManagerDiagnostics control_diagnostics(const Uav& uav, const st
   out.joystick_active = uav.is_remote();
   out.desired_uav_state_rate = 100;
   out.active_tracker = tracker_name(uav);
-  out.active_controller = out.output_enabled ? "Se3Controller" : "FailsafeController";
+  out.active_controller = controller_name(uav);
   out.available_trackers = {"MpcTracker", "LandoffTracker", "NullTracker"};
   out.human_switchable_trackers = {1, 0, 0};
-  out.available_controllers = {"Se3Controller", "FailsafeController"};
-  out.human_switchable_controllers = {1, 0};
+  out.available_controllers = {"Se3Controller", "EmergencyController", "FailsafeController"};
+  out.human_switchable_controllers = {1, 0, 0};
   out.controller_status.active = out.output_enabled;
   mrs_msgs::TrackerStatus& status = out.tracker_status;
   status.active = out.output_enabled;

@@ -88,16 +88,10 @@ void UavCommands::advertise_others(ros::NodeHandle& nh) {
                                                 response.message = result.message;
                                                 return true;
                                               })));
-  using Change = boost::function<bool(mrs_msgs::String::Request&, mrs_msgs::String::Response&)>;
-  services_.push_back(
-      nh.advertiseService("estimation_manager/change_estimator",
-                          Change([this](mrs_msgs::String::Request& request, mrs_msgs::String::Response& response) {
-                            const std::lock_guard<std::mutex> lock(*shared_.mutex);
-                            const std::string problem = frames_.switch_to(request.value);
-                            response.success = problem.empty();
-                            response.message = problem.empty() ? "Estimator switch successful" : problem;
-                            return true;
-                          })));
+  serve_string(nh, "estimation_manager/change_estimator", [this](const std::string& name) {
+    const std::string problem = frames_.switch_to(name);
+    return Result{problem.empty(), problem.empty() ? "Estimator switch successful" : problem};
+  });
 }
 
 }  // namespace voxnav_ros

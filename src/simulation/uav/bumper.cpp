@@ -37,29 +37,47 @@ std::optional<double> Bumper::sector_range(const Range& range, double direction_
   return nearest;
 }
 
-std::optional<Vec3> Bumper::push(const Range& range, double heading_rad, const TrackerLimits& limits) const {
+Bumper::Reach Bumper::reach(const TrackerLimits& limits) const {
   const double more = config_.is_derived_from_dynamics ? kStopShare : 0.0;
-  const double across_m =
-      config_.min_distance_m + more * way_to_stop(limits.horizontal.speed, limits.horizontal.acceleration);
-  const double along_m = config_.min_distance_m + more * vertical_way_to_stop(limits);
+  return {config_.min_distance_m + more * way_to_stop(limits.horizontal.speed, limits.horizontal.acceleration),
+          config_.min_distance_m + more * vertical_way_to_stop(limits)};
+}
+
+std::optional<Vec3> Bumper::push(const Range& range, double heading_rad, const TrackerLimits& limits) const {
+  const Reach near = reach(limits);
+  SectorRanges sectors;
+  double nearest_m = near.across_m;  // what is farther than this decides nothing, and rays to there cost less
+  for (int i = 0; i < config_.num_sectors; ++i) {
+    sectors.horizontal_m.push_back(sector_range(range, heading_rad + kTwoPi * i / config_.num_sectors, nearest_m));
+    nearest_m = sectors.horizontal_m.back().value_or(nearest_m);
+  }
+  sectors.below_m = range(-Vec3::UnitZ(), near.along_m);
+  sectors.above_m = range(Vec3::UnitZ(), near.along_m);
+  return push(sectors, heading_rad, near);
+}
+
+std::optional<Vec3> Bumper::push(const SectorRanges& sectors, double heading_rad, const TrackerLimits& limits) const {
+  return push(sectors, heading_rad, reach(limits));
+}
+
+std::optional<Vec3> Bumper::push(const SectorRanges& sectors, double heading_rad, const Reach& near) const {
   std::optional<double> nearest_m;
   double towards_rad = 0;
-  for (int i = 0; i < config_.num_sectors; ++i) {
-    const double direction_rad = heading_rad + kTwoPi * i / config_.num_sectors;
-    const auto found_m = sector_range(range, direction_rad, nearest_m.value_or(across_m));
-    if (!found_m) continue;
+  for (std::size_t i = 0; i < sectors.horizontal_m.size(); ++i) {
+    const auto& found_m = sectors.horizontal_m[i];
+    if (!found_m || *found_m >= nearest_m.value_or(near.across_m)) continue;
     nearest_m = found_m;
-    towards_rad = direction_rad;
+    towards_rad = heading_rad + kTwoPi * static_cast<double>(i) / static_cast<double>(sectors.horizontal_m.size());
   }
-  const auto below_m = range(-Vec3::UnitZ(), along_m), above_m = range(Vec3::UnitZ(), along_m);
-  if (!nearest_m && !below_m && !above_m) return std::nullopt;
+  const auto is_near = [&](const std::optional<double>& range_m) { return range_m && *range_m < near.along_m; };
+  if (!nearest_m && !is_near(sectors.below_m) && !is_near(sectors.above_m)) return std::nullopt;
   Vec3 out = Vec3::Zero();
   if (nearest_m) {
-    const double way_m = across_m + config_.overshoot_m - *nearest_m;
+    const double way_m = near.across_m + config_.overshoot_m - *nearest_m;
     out = -way_m * Vec3(std::cos(towards_rad), std::sin(towards_rad), 0);
   }
-  if (below_m) out.z() = along_m - *below_m;
-  if (above_m) out.z() = -(along_m - *above_m);
+  if (is_near(sectors.below_m)) out.z() = near.along_m - *sectors.below_m;
+  if (is_near(sectors.above_m)) out.z() = -(near.along_m - *sectors.above_m);
   return out;
 }
 

@@ -148,7 +148,8 @@ void Uav::update_phase() {
     }
     return;
   }
-  is_remote_ = false;
+  is_remote_ = is_held_ = false;
+  controller_ = ActiveController::kNormal;
   standing_W_ = truth_.pose.translation();
   standing_heading_rad_ = voxnav::geometry::yaw_of(truth_.pose);
   phase_ = FlightPhase::kIdle;
@@ -163,7 +164,7 @@ std::string Uav::refusal() const {
     case FlightPhase::kLanding:
       return "callbacks are disabled during landing";
     case FlightPhase::kFlying:
-      return {};
+      return is_held_ ? "the tracker 'LandoffTracker' does not implement this" : "";
   }
   return {};
 }
@@ -183,6 +184,7 @@ std::string Uav::reference_refusal() const {
 CommandResult Uav::take_off() {
   if (phase_ != FlightPhase::kIdle) return refused("already in the air");
   phase_ = FlightPhase::kTakingOff;
+  has_callbacks_ = true;  // the UAV manager enables them with every take-off
   const KinematicState s = tracker_.state();
   const Vec3 up(0, 0, config_.take_off_height_m - config_.standing_height_m);
   tracker_.go_to({s.position + up, s.heading_rad});
@@ -194,23 +196,6 @@ CommandResult Uav::set_remote(bool is_remote) {
   is_remote_ = is_remote;
   if (is_remote) tracker_.brake();
   return {true, is_remote ? "the pilot has the vehicle" : "the pilot has given the vehicle back"};
-}
-
-CommandResult Uav::land() {
-  if (phase_ == FlightPhase::kIdle) return refused("not flying");
-  if (phase_ == FlightPhase::kLanding) return refused("already landing");
-  // The horizontal goal is where braking ends, so that the tracker, which brakes before its goal, does not turn back.
-  const KinematicState s = tracker_.state();
-  const double a = tracker_.limits().horizontal.acceleration;
-  const Vec3 horizontal(s.velocity.x(), s.velocity.y(), 0);
-  Vec3 goal = s.position + horizontal * (0.5 * horizontal.norm() / (0.7 * a) + 0.2);
-  const Vec3 goal_W = goal - drift();
-  const auto ground = sensed_world_.ground_height(goal_W.x(), goal_W.y());
-  if (!ground) return refused("no ground below");
-  goal.z() = *ground + config_.standing_height_m + drift().z();
-  phase_ = FlightPhase::kLanding;
-  tracker_.go_to({goal, s.heading_rad});
-  return {true, "landing"};
 }
 
 CommandResult Uav::hover() {

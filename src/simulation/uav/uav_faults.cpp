@@ -6,6 +6,7 @@ namespace voxnav_simulation {
 namespace {
 
 constexpr std::int64_t kBumperPeriod_ns = 50'000'000;
+constexpr std::int64_t kSectorsTimeout_ns = 1'000'000'000;
 /// Room above the vehicle is looked for in steps of this height.
 constexpr double kRoomStep_m = 0.5;
 
@@ -43,14 +44,25 @@ bool Uav::has_room_above() const {
   return true;
 }
 
-/// Flies away from obstacles that are too near, as long as they are, whatever was commanded.
-void Uav::meet_obstacles() {
+/// Returns how the bumper pushes the vehicle now.
+std::optional<Vec3> Uav::push() const {
+  if (bumper_.heeds_sectors()) {
+    return bumper_.push(sectors_->ranges, voxnav::geometry::yaw_of(estimate_.pose), tracker_.limits());
+  }
   const auto range = [this](const Vec3& direction, double max_m) {
     return sensed_world_.range(truth_.pose.translation(), direction, max_m, stamp_ns_);
   };
-  const auto push = bumper_.push(range, voxnav::geometry::yaw_of(truth_.pose), tracker_.limits());
-  is_repelled_ = push.has_value();
-  if (push) tracker_.go_to({estimate_.pose.translation() + *push, tracker_.state().heading_rad});
+  return bumper_.push(range, voxnav::geometry::yaw_of(truth_.pose), tracker_.limits());
+}
+
+/// Flies away from obstacles that are too near, as long as they are, whatever was commanded. Without messages of
+/// sectors everything stays as it was, so that a vehicle that was being repelled takes no commands any more.
+void Uav::meet_obstacles() {
+  const bool is_heard = sectors_ && stamp_ns_ - sectors_->stamp_ns <= kSectorsTimeout_ns;
+  if (is_in_emergency() || (bumper_.heeds_sectors() && !is_heard)) return;
+  const auto way = push();
+  is_repelled_ = way.has_value();
+  if (way) tracker_.go_to({estimate_.pose.translation() + *way, tracker_.state().heading_rad});
 }
 
 }  // namespace voxnav_simulation

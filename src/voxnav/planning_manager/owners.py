@@ -18,11 +18,12 @@ def who_flies(control: Control) -> Optional[Because]:
         return Because(Reason.REMOTE_CONTROL, "a pilot flies the vehicle by remote control")
     if control.is_flying:
         return None
+    names = " with ".join(name for name in (control.tracker, control.controller) if name)
+    by_whom = " (%s)" % names if names else ""  # an emergency has a controller of its own
     if control.state is TrackerState.LAND:
-        return Because(Reason.LANDING, "the vehicle lands")
+        return Because(Reason.LANDING, "the vehicle lands" + by_whom)
     if control.is_on_ground:
         return Because(Reason.NOT_FLYING, "not flying")
     # The control manager does not tell these apart: a flight mode that the pilot chose on the transmitter, for one.
     what = "not flown normally: callbacks are disabled, a pilot has the vehicle, or it is an emergency"
-    names = " with ".join(name for name in (control.tracker, control.controller) if name)
-    return Because(Reason.NOT_NORMAL, what + (" (%s)" % names if names else ""))
+    return Because(Reason.NOT_NORMAL, what + by_whom)

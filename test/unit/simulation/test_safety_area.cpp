@@ -34,6 +34,18 @@ TEST(SafetyArea, HasThePointsOfItsPrismAndIsEverywhereWithoutOne) {
   }
 }
 
+TEST(SafetyArea, HasStraightWaysThatLeaveItNowhere) {
+  const auto all = SafetyLimits::kBorderAndHeights, border = SafetyLimits::kBorder;
+  EXPECT_TRUE(is_way_inside(area(), {1, 1, 1}, {9, 1, 1}, all));
+  EXPECT_FALSE(is_way_inside(area(), {4, 9, 1}, {9, 4, 1}, all));  // both ends are inside, the corner is between them
+  EXPECT_FALSE(is_way_inside(area(), {1, 1, 1}, {11, 1, 1}, all));
+  EXPECT_FALSE(is_way_inside(area(), {1, 1, 1}, {9, 1, 5}, all));
+  EXPECT_TRUE(is_way_inside(area(), {1, 1, 1}, {9, 1, 5}, border));
+  EXPECT_TRUE(is_way_inside(SafetyAreaConfig(), {1, 1, 1}, {99, 1, 1}, all));
+  EXPECT_TRUE(is_inside(area(), {1, 1, 9}, border));
+  EXPECT_FALSE(is_inside(area(), {9, 9, 1}, border));
+}
+
 TEST(SafetyArea, CutsTheTailFromTheFirstPointOutsideOn) {
   TrackedTrajectory across = line({4, 7, 1}, {4, 7, 1}, 1);
   across = line({1, 7, 1}, {9, 7, 1}, 9);
