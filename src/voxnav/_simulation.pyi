@@ -35,6 +35,7 @@ class BeamModel(str, enum.Enum):
 
 class BumperConfig:
     is_enabled: bool
+    heeds_sectors: bool
     min_distance_m: float
     overshoot_m: float
     is_derived_from_dynamics: bool
@@ -42,7 +43,7 @@ class BumperConfig:
     vertical_fov_rad: float
     def __init__(
         self, *,
-        is_enabled: bool = ..., min_distance_m: float = ..., overshoot_m: float = ...,
+        is_enabled: bool = ..., heeds_sectors: bool = ..., min_distance_m: float = ..., overshoot_m: float = ...,
         is_derived_from_dynamics: bool = ..., num_sectors: int = ..., vertical_fov_rad: float = ...
     ) -> None: ...
     @staticmethod
