@@ -200,6 +200,12 @@ TEST(PlacedSubmap, FreeSpaceIsThatOfTheVoxelsUnderneath) {
         if (below) {
           ASSERT_EQ(free.is_free(leaf).below, *below) << where.name;
         }
+        const auto above = is_observed_free(*submap, T_S_W * Vec3(p_W + Vec3(0, 0, where.resolution_m)));
+        if (above) {
+          // What lies above the block may be beyond the window, and counts as not free then.
+          const bool is_within = (leaf.offset >> 8) + 1 < geometry::kBlockSide;
+          ASSERT_TRUE(free.is_free(leaf).above == *above || (!is_within && *above)) << where.name;
+        }
       }
     }
     EXPECT_GT(num_free, 25) << where.name;

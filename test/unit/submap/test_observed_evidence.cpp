@@ -147,6 +147,63 @@ TEST(ObservedEvidence, ADoubtEndsWhereASurfaceIsSeenAgain) {
   EXPECT_EQ(kept, content.num_occupied());
 }
 
+namespace {
+
+/// Returns surfaces in one layer of voxels, x from `first` to `last`, `depth` voxels deep along y.
+occupancy::MapContent shelf(int first, int last, int depth) {
+  test::ContentBuilder builder(kVoxel);
+  for (int x = first; x <= last; ++x) {
+    for (int y = 0; y < depth; ++y) builder.set_occupied({x, y, 5});
+  }
+  return builder.build();
+}
+
+/// Returns free space below and above the layer of the shelf, without the layer itself, and the shelf from `first` on.
+occupancy::MapContent air_past_the_shelf(int lowest, int highest, int first) {
+  test::ContentBuilder builder(kVoxel);
+  for (int i = 0; i < 24 * 24; ++i) {
+    for (int z = lowest; z <= highest; ++z) {
+      if (z != 5) builder.set_free({i % 24 - 12, i / 24 - 12, z});
+    }
+  }
+  for (int x = first; x < 12; ++x) builder.set_occupied({x, 1, 5});
+  return builder.build();
+}
+
+std::size_t left_of(const occupancy::MapContent& before, const occupancy::MapContent& after) {
+  SubmapCollection collection({});
+  collection.add(entry_of(1, before));
+  collection.add(entry_of(2, after));
+  std::size_t left = 0;
+  for (const auto& p : collection.occupied_points()) left += p.x() < 4.0 ? 1 : 0;
+  return left;
+}
+
+constexpr int kNowhere = 12;
+
+}  // namespace
+
+/// From one height a sparse sensor looks between the same voxels again and again.
+TEST(ObservedEvidence, SurfacesThatBeamsPassBelowAndAboveAreRemoved) {
+  const std::size_t corners = 4;  // have few neighbours, so that they count as thin
+  EXPECT_EQ(left_of(shelf(-8, 8, 3), air_past_the_shelf(0, 8, kNowhere)), corners);
+}
+
+TEST(ObservedEvidence, SurfacesThatBeamsPassOnOneSideStay) {
+  EXPECT_EQ(left_of(shelf(-8, 8, 3), air_past_the_shelf(0, 5, kNowhere)), 17u * 3u);
+  EXPECT_EQ(left_of(shelf(-8, 8, 3), air_past_the_shelf(6, 8, kNowhere)), 17u * 3u);
+}
+
+TEST(ObservedEvidence, SurfacesThatBeamsPassStayNearWhatIsSeenOfThem) {
+  // The shelf is seen again from x = 0 on: what is nearer than two clearing distances to that stays.
+  const std::size_t of_the_rest = left_of(shelf(0, 8, 3), air_past_the_shelf(0, 8, 0)), corners = 2, near = 3;
+  EXPECT_EQ(left_of(shelf(-8, 8, 3), air_past_the_shelf(0, 8, 0)) - of_the_rest, corners + near);
+}
+
+TEST(ObservedEvidence, AWireBetweenBeamsStays) {
+  EXPECT_EQ(left_of(shelf(-8, 8, 1), air_past_the_shelf(0, 8, kNowhere)), 17u);
+}
+
 TEST(ObservedEvidence, MemoryCountsWhereNothingElseIsKnown) {
   SubmapCollection collection({});
   const auto content = wall_at(0, true);

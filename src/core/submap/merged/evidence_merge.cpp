@@ -55,6 +55,9 @@ class Removed {
   bool is_listed_ = false;
 };
 
+/// Where beams only passed by, no surface of the newer submap may lie within this many clearing distances.
+constexpr double kPassedClearings = 2.0;
+
 const Columns& occupied_of(const PlacedPoints::Block* points) {
   static const Columns kNone{};
   return points ? points->occupied : kNone;
@@ -103,7 +106,8 @@ bool EvidenceMerge::doubt() {
   }
   for (SurfaceEvidence& point : block_->points) {
     if (has(seen_, point) && !has_above(unseen, point)) continue;
-    const bool is_free = free_.is_free(point).at_point;
+    const FreeAt free = free_.is_free(point);
+    const bool is_free = free.at_point || is_passed(point, free);
     if (!is_free && !point.is_doubted) continue;
     if (around_.has_within(units_of(point), clearing)) {
       point.is_doubted = false;
@@ -113,6 +117,13 @@ bool EvidenceMerge::doubt() {
     any_doubted |= point.is_doubted;
   }
   return any_doubted;
+}
+
+/// Returns true if beams passed closely below and above a point without a surface anywhere near: a sparse sensor at
+/// one height looks between the same voxels again and again, and never into some. A thin thing may hide between beams.
+bool EvidenceMerge::is_passed(const SurfaceEvidence& point, const FreeAt& free) const {
+  if (point.is_thin || has(seen_, point) || !free.below || !free.above) return false;
+  return !around_.has_within(units_of(point), kPassedClearings * rules_.clearing_distance_m / rules_.resolution_m);
 }
 
 /// Removes the points in doubt below which is free space as well, or a surface of this submap: the ground on which the

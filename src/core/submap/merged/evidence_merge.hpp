@@ -9,6 +9,7 @@ namespace voxnav::submap {
 /// Merges the evidence of a newer submap into one block of W. Its surface points replace the older ones of their
 /// voxels. Its free space removes other older points, but only once both the voxel of a point and the one below it were
 /// observed: until then the point is in doubt, since a sparse sensor observes the two at different times.
+/// A point that beams passed closely below and above is treated like one in observed free space.
 class EvidenceMerge {
  public:
   /// All arguments must outlive this object.
@@ -24,6 +25,7 @@ class EvidenceMerge {
   void remove_doubted();
   void drop_replaced();
   void add_points(const PlacedPoints::Block& points);
+  bool is_passed(const SurfaceEvidence& point, const FreeAt& free) const;
   bool is_near_enough(const SurfaceEvidence& evidence) const;
 
   const EvidenceRules& rules_;

@@ -11,10 +11,11 @@
 
 namespace voxnav::submap {
 
-/// Whether a submap holds the voxel of a surface point, and the voxel below it, for free.
+/// Whether a submap holds the voxel of a surface point, and the voxels below and above it, for free.
 struct FreeAt {
   bool at_point;
   bool below;
+  bool above;
 };
 
 /// The free voxels of a submap around one block of W (and one voxel below it), as columns side by side, so that queries
@@ -27,14 +28,15 @@ class FreeWindow {
   template <class FreeOf>
   FreeWindow(const Eigen::Affine3d& T_G_W, const geometry::Index3& block_W, FreeOf&& free_of);
 
-  /// Returns whether the voxel of the submap that contains a surface point, and the voxel below it, are free.
+  /// Returns whether the voxel of the submap that contains a surface point, and those below and above it, are free. One
+  /// above the window counts as not free.
   FreeAt at(const SurfaceEvidence& evidence) const {
     const Units3 p = units_of(evidence);
     const std::uint32_t z = voxel_at(origin_.z + (std::int64_t{p.z} << kUnitShift));
-    const std::uint32_t both =
+    const std::uint32_t three =
         column(origin_.x + p.x * along_x_.x + p.y * along_y_.x, origin_.y + p.x * along_x_.y + p.y * along_y_.y) >>
         (z - 1);
-    return {(both & 2u) != 0, (both & 1u) != 0};
+    return {(three & 2u) != 0, (three & 1u) != 0, (three & 4u) != 0};
   }
   /// Sets the voxels of the block whose centres lie in free voxels of the submap.
   void add_to(Columns* free) const;

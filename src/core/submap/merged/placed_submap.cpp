@@ -138,7 +138,8 @@ bool PlacedSubmap::FreeInBlock::is_free_at(const Vec3& p) const {
 
 FreeAt PlacedSubmap::FreeInBlock::at_tilted(const SurfaceEvidence& evidence) const {
   const Vec3 p = local_point(evidence);
-  return {is_free_at(p), is_free_at(p - Vec3(0.0, 0.0, 1.0))};
+  const Vec3 step(0.0, 0.0, 1.0);
+  return {is_free_at(p), is_free_at(p - step), is_free_at(p + step)};
 }
 
 void PlacedSubmap::FreeInBlock::add_tilted(Columns* free) const {
