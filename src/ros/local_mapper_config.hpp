@@ -22,6 +22,7 @@ struct LocalMapperConfig {
   std::string body_frame = "fcu";
   MapperPoses pose_source = MapperPoses::kTf;
   std::vector<std::string> sensors{"lidar"};
+  std::vector<std::string> idle_sensors;
   double tf_timeout_s = 0.5;
   double snapshot_period_s = 0.0;
   double occupied_period_s = 10.0;
@@ -40,6 +41,8 @@ struct LocalMapperConfig {
     v("sensors", &C::sensors, any(), "",
       "names of the sensors: the filtered clouds of the first come on ~points_in, those of another on "
       "~NAME/points_in; each may have a section of its name, like lidar");
+    v("idle_sensors", &C::idle_sensors, any(), "",
+      "names of sensors that are launched, and may have sections here, but whose clouds are not mapped");
     v("tf_timeout_s", &C::tf_timeout_s, in(0.01, 10.0), "s",
       "time that a scan waits for its pose before it is dropped");
     v("snapshot_period_s", &C::snapshot_period_s, in(0.0, 1000.0), "s",
@@ -62,7 +65,9 @@ inline std::vector<std::string> LocalMapperConfig::problems() const {
   }
   if (sensors.empty()) out.emplace_back("sensors must hold at least one name");
   std::set<std::string> known;
-  for (const std::string& name : sensors) {
+  std::vector<std::string> names = sensors;
+  names.insert(names.end(), idle_sensors.begin(), idle_sensors.end());
+  for (const std::string& name : names) {
     const auto is_part = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
     const bool is_name = !name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) != 0 &&
                          std::all_of(name.begin(), name.end(), is_part);

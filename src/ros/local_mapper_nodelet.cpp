@@ -39,6 +39,10 @@ void LocalMapperNodelet::initialize() {
   params.section("node", &config_);
   mapper.sensors.assign(config_.sensors.size(), pipeline::SensorConfig());
   for (std::size_t i = 0; i < config_.sensors.size(); ++i) params.section(config_.sensors[i], &mapper.sensors[i]);
+  for (const std::string& name : config_.idle_sensors) {
+    pipeline::SensorConfig unused;
+    params.section(name, &unused);
+  }
   params.finish();
   limits_ = mapper.sensors;
   uses_odometry_ = config_.pose_source == MapperPoses::kOdometry;

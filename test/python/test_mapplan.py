@@ -73,6 +73,9 @@ def test_nodes_and_topics_have_their_names(loaded):
     assert nodes["submap_integrator"]["~octomap_out"] == "octomap_server/octomap_global_full"
     assert config.params["/uav1/planning_manager/heading/mode"].value == "flight_direction"
     assert config.params["/uav1/local_mapper/node/sensors"].value == ["lidar", "rs_front"]
+    # The section of an unused camera is there, and without this the mapper would refuse to start with it.
+    assert config.params["/uav1/local_mapper/node/idle_sensors"].value == ["rplidar", "rs_down"]
+    assert "/uav1/local_mapper/rs_down/max_range_m" in config.params
     assert {node.namespace for node in loaded("UAV_NAME:=uav7").nodes} == {"/uav7/"}
 
 

@@ -147,7 +147,9 @@ def translate(server: Optional[Tree], planner: Optional[Tree], filters: Dict[str
     _apply_sensors(out, server)
     rest = {name: values for name, values in _persistency(server).items() if name != SENSORS}
     apply(out, SERVER_FILE, rest, SERVER)
-    out.set("local_mapper/node/sensors", sensors_of(server, sensors))
+    used = sensors_of(server, sensors)
+    out.set("local_mapper/node/sensors", used)
+    out.set("local_mapper/node/idle_sensors", [name for name in sensors if name not in used])
     apply(out, PLANNER_FILE, planner, PLANNER)
     for sensor, tree in filters.items():
         source = "config_pcl_filter of %s" % sensor
