@@ -118,6 +118,16 @@ class TakeoverTest(unittest.TestCase):
         self.call("control_manager/enable_callbacks", SetBool, True)
         self.wait(lambda: self.recorder._control.flying_normally, "the callbacks")
 
+    def test_3b_an_emergency_hover(self):
+        self.fly()
+        self.call("control_manager/ehover", Trigger)
+        self.assert_dropped("it is an emergency (LandoffTracker with EmergencyController)")
+        self.assertLess(self.recorder.speed_mps, 0.2)
+        self.call("control_manager/switch_tracker", String, "MpcTracker")
+        self.call("control_manager/switch_controller", String, "Se3Controller")
+        self.call("control_manager/enable_callbacks", SetBool, True)
+        self.wait(lambda: self.recorder._control.flying_normally, "the vehicle to be given back")
+
     def test_4_a_safety_area_that_cuts_the_trajectory(self):
         self.recorder.send_goal(W, (24.0, 0.0, HEIGHT_M))
         self.wait(lambda: not self.status.has_goal, "the goal to be dropped")
@@ -147,6 +157,15 @@ class TakeoverTest(unittest.TestCase):
     def distance_of_goal(self, place):
         goal = self.status.goal
         return np.linalg.norm(place - (goal.x, goal.y, goal.z))
+
+    def test_5b_an_emergency_landing_and_a_failsafe(self):
+        for name, told in (("eland", "the vehicle lands (LandoffTracker with EmergencyController)"),
+                           ("failsafe", "it is an emergency (MpcTracker with FailsafeController)")):
+            self.fly(goal=(10.0, 0.0, HEIGHT_M))
+            self.call("control_manager/" + name, Trigger)
+            self.assert_dropped(told)
+            self.wait(lambda: not self.recorder._control.output_enabled, "the end of it")
+            self.recorder.take_off(LIMIT_S)
 
     def test_6_a_landing_and_the_next_take_off(self):
         self.fly(goal=(10.0, 0.0, HEIGHT_M))
