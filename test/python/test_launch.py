@@ -184,6 +184,7 @@ def test_without_bonds_every_nodelet_has_a_process_that_is_started_again(bond, m
 
 
 EVERY_LAUNCH_FILE = {"nodes": ARGUMENTS["nodes"], "voxnav": ARGUMENTS["voxnav"], "bag": [], "simulation": [],
+                     "two_uavs": [],
                      "sensors": ["kind:=lidar", "sensors:=rear=/points", "nodelet:=load", "manager:=manager",
                                  "launch_prefix:=nice", "lockstep:=false"],
                      "config": ["file:=" + os.path.join(ROOT, "config", "simulation.yaml")], "rviz": [],

@@ -8,10 +8,11 @@ import unittest
 import rospy
 import rostest
 
+from voxnav.demo.mission import goal_of, simulated_world
 from voxnav.msg import NodeDiagnostics, OtherUavs
 from voxnav.nodes.two_uavs_mission import FlightOfTwo
 
-GOALS = ((30.0, 0.0, 2.0), (0.0, 0.0, 2.0))
+GOALS = (tuple(goal_of(simulated_world("grove", seed=1))), (0.0, 0.0, 2.0))
 LIMIT_S = 90.0
 NAMES = ("uav1", "uav2")
 
