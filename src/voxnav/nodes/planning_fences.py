@@ -134,7 +134,7 @@ class PlanningFences:
         with self._lock:
             book = self._book.copy()
             out = change(book)
-            place(book, self._T_O)
+            place(book, self.T_O)
             self._book = book
             self.update(is_due=True)
             return out
