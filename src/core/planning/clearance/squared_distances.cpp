@@ -38,7 +38,7 @@ int nearest_bit(std::uint64_t bits, int height) {
 }
 
 template <class Column>
-void take_least(const std::int16_t* in, std::int16_t weight, Column* out) {
+void take_least(const Column& in, std::int16_t weight, Column* out) {
   for (int z = 0; z < kSide; ++z) (*out)[z] = std::min((*out)[z], static_cast<std::int16_t>(in[z] + weight));
 }
 
@@ -49,8 +49,6 @@ SquaredDistanceTransform::SquaredDistanceTransform(int reach, int limit) : reach
   for (int k = 0; k <= reach; ++k) weights_.push_back(squared_face(k));
   heights_.resize(side * side);
   rows_.resize(side * side);
-  has_height_.resize(side * side);
-  has_row_.resize(side * side);
 }
 
 bool SquaredDistanceTransform::compute(const SurroundingColumns& set, const ColumnRange& range,
@@ -58,23 +56,21 @@ bool SquaredDistanceTransform::compute(const SurroundingColumns& set, const Colu
   along_z(set, range);
   along_x(range);
   along_y(range, out);
-  for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
-    for (int x = range.x0; x < range.x1; ++x) {
-      if (has_row_[halo_at(x, y)]) return true;
-    }
-  }
-  return false;
+  return std::any_of(&has_row_[range.x0], &has_row_[range.x0] + (range.x1 - range.x0),
+                     [](std::uint64_t rows) { return rows != 0; });
 }
 
 void SquaredDistanceTransform::along_z(const SurroundingColumns& set, const ColumnRange& range) {
   // Bits within reach of the middle block.
   const std::uint64_t near = ((std::uint64_t{1} << (kSide + 2 * reach_)) - 1) << (kSide - reach_);
   for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
+    std::uint64_t& has_height = has_height_[y + reach_];
+    has_height = 0;
     for (int x = range.x0 - reach_; x < range.x1 + reach_; ++x) {
       const std::uint64_t bits = tall_column(set, x, y) & near;
-      const int at = halo_at(x, y);
-      has_height_[at] = bits != 0;
       if (bits == 0) continue;
+      const int at = halo_at(x, y);
+      has_height |= std::uint64_t{1} << (x + reach_);
       if (((bits >> kSide) & kWholeColumn) == kWholeColumn) {
         heights_[at].fill(0);
         continue;
@@ -88,17 +84,19 @@ void SquaredDistanceTransform::along_z(const SurroundingColumns& set, const Colu
 }
 
 void SquaredDistanceTransform::along_x(const ColumnRange& range) {
+  for (int x = range.x0; x < range.x1; ++x) has_row_[x] = 0;
   for (int y = range.y0 - reach_; y < range.y1 + reach_; ++y) {
     for (int x = range.x0; x < range.x1; ++x) {
-      const int at = halo_at(x, y);
-      bool is_any = false;
-      for (int dx = -reach_; dx <= reach_; ++dx) {
-        if (!has_height_[at + dx]) continue;
-        if (!is_any) rows_[at].fill(kFar);
-        is_any = true;
-        take_least(heights_[at + dx].data(), weights_[std::abs(dx)], &rows_[at]);
+      std::uint64_t near = within_reach(has_height_[y + reach_], x);
+      if (near == 0) continue;
+      has_row_[x] |= std::uint64_t{1} << (y + reach_);
+      Column least;
+      least.fill(kFar);
+      for (; near != 0; near &= near - 1) {
+        const int dx = __builtin_ctzll(near) - reach_;
+        take_least(heights_[halo_at(x + dx, y)], weights_[std::abs(dx)], &least);
       }
-      has_row_[at] = is_any;
+      rows_[halo_at(x, y)] = least;
     }
   }
 }
@@ -108,9 +106,9 @@ void SquaredDistanceTransform::along_y(const ColumnRange& range, ClearanceDistan
     for (int x = range.x0; x < range.x1; ++x) {
       Column least;
       least.fill(kFar);
-      for (int dy = -reach_; dy <= reach_; ++dy) {
-        const int at = halo_at(x, y + dy);
-        if (has_row_[at]) take_least(rows_[at].data(), weights_[std::abs(dy)], &least);
+      for (std::uint64_t near = within_reach(has_row_[x], y); near != 0; near &= near - 1) {
+        const int dy = __builtin_ctzll(near) - reach_;
+        take_least(rows_[halo_at(x, y + dy)], weights_[std::abs(dy)], &least);
       }
       std::int16_t* to = &(*out)[static_cast<std::size_t>(column_at(x, y)) * kSide];
       for (int z = 0; z < kSide; ++z) to[z] = least[z] <= limit_ ? least[z] : kFar;

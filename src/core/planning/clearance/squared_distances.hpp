@@ -42,6 +42,10 @@ class SquaredDistanceTransform {
   void along_z(const SurroundingColumns& set, const ColumnRange& range);
   void along_x(const ColumnRange& range);
   void along_y(const ColumnRange& range, ClearanceDistances* out) const;
+  /// The bits of a line that lie within reach of a place in the block, moved so that bit 0 is `reach` below the place.
+  std::uint64_t within_reach(std::uint64_t line, int place) const {
+    return (line >> place) & ((std::uint64_t{2} << (2 * reach_)) - 1);
+  }
   int halo_at(int x, int y) const { return (x + reach_) + (geometry::kBlockSide + 2 * reach_) * (y + reach_); }
 
   int reach_;
@@ -49,8 +53,11 @@ class SquaredDistanceTransform {
   std::vector<std::int16_t> weights_;  ///< squared distance to a voxel's face by offset on an axis
   std::vector<Column> heights_;        ///< distances along z, of the range and what surrounds it
   std::vector<Column> rows_;           ///< least of them along x
-  std::vector<std::uint8_t> has_height_;
-  std::vector<std::uint8_t> has_row_;
+  // Most columns have nothing within reach: which ones do is kept in words, so that the others cost nothing.
+  static constexpr int kMaxSide = geometry::kBlockSide + 2 * kMaxReach;
+  static_assert(kMaxSide <= 64, "a word holds a line of columns");
+  std::array<std::uint64_t, kMaxSide> has_height_{};           ///< by y + reach: bit x + reach
+  std::array<std::uint64_t, geometry::kBlockSide> has_row_{};  ///< by x: bit y + reach
 };
 
 }  // namespace voxnav::planning
