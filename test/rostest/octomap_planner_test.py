@@ -89,7 +89,8 @@ class OctomapPlannerTest(unittest.TestCase):
         request.header.frame_id = "nowhere"
         refused = service(request)
         self.assertFalse(refused.success)
-        self.assertIn("no transform", refused.message)
+        self.assertIn("no transform from frame 'nowhere' to %s: " % O, refused.message)
+        self.assertIn("does not exist", refused.message)  # as tf says
 
     def test_4_the_safety_distance_has_bounds(self):
         for value in (0.5, 5.1, float("nan"), float("inf"), -1.0):
@@ -163,7 +164,7 @@ class OctomapPlannerTest(unittest.TestCase):
     def test_9_virtual_obstacles_that_are_none_are_refused(self):
         add = proxy("octomap_planner/add_virtual_obstacle", ValidateReferenceArray)
         places = [(6.0, -3.0, 0.0), (8.0, -3.0, 8.0), (6.0, 3.0, 0.0)]
-        for frame, corners, reason in ((O, places[:2], "exactly 3 points"), ("nowhere", places, "no transform"),
+        for frame, corners, reason in ((O, places[:2], "exactly 3 points"), ("nowhere", places, "does not exist"),
                                        (O, [places[0]] * 3, ""), (O, [(1e5, 0, 0), (0, 1e5, 9), (0, 0, 0)], "")):
             request = ValidateReferenceArrayRequest()
             request.array.header.frame_id = frame

@@ -6,14 +6,12 @@ import threading
 
 import numpy as np
 import rospy
-import tf2_ros
 from geometry_msgs.msg import Point
 from mrs_msgs.srv import String, StringResponse
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import Marker, MarkerArray
 
 from voxnav.fences import FenceBook, FenceError, FencePrism, Limits, place
-from voxnav.nodes.planning_inputs import matrix
 from voxnav.nodes.planning_output import marker
 from voxnav.srv import AddZone, AddZoneResponse
 
@@ -111,13 +109,10 @@ class PlanningFences:
             if inputs.T_W_O is None:
                 raise FenceError("no map correction yet")
             return np.linalg.inv(inputs.T_W_O)
-        for name in names:
-            try:
-                found = inputs.tf_buffer.lookup_transform(inputs.odometry_frame, name, rospy.Time(0))
-            except tf2_ros.TransformException:
-                continue
-            return matrix(found.transform.translation, found.transform.rotation)
-        raise FenceError("no transform from frame '%s' to %s" % (frame, inputs.odometry_frame))
+        try:
+            return inputs.T_O_of(frame, names)
+        except LookupError as error:
+            raise FenceError(str(error))
 
     # Services
 

@@ -3,7 +3,6 @@
 
 import numpy as np
 import rospy
-import tf2_ros
 from geometry_msgs.msg import PoseStamped
 from mrs_msgs.msg import ReferenceStamped
 from mrs_msgs.srv import (ReferenceStampedSrv, ReferenceStampedSrvResponse, TransformReferenceSrvRequest, Vec4,
@@ -115,10 +114,7 @@ class PlanningGoals:
             raise GoalError("no map correction yet: the place of frame '%s' is not known" % (frame or "control"))
         if not frame or inputs.odometry_frame in names:
             return inputs.T_W_O
-        for name in names:
-            try:
-                found = inputs.tf_buffer.lookup_transform(inputs.odometry_frame, name, rospy.Time(0))
-            except tf2_ros.TransformException:
-                continue
-            return inputs.T_W_O.dot(matrix(found.transform.translation, found.transform.rotation))
-        raise GoalError("no transform from frame '%s' to %s" % (frame, inputs.odometry_frame or "odometry"))
+        try:
+            return inputs.T_W_O.dot(inputs.T_O_of(frame, names))
+        except LookupError as error:
+            raise GoalError(str(error))

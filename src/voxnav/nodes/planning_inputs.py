@@ -246,6 +246,18 @@ class PlanningInputs:
             self._T_W_O, self._correction_frame = T, frame
             self._set_frames()
 
+    def T_O_of(self, frame, names):
+        """Returns T_O_F (4, 4) of a frame by tf, which may have any of the names. Raises LookupError as tf says."""
+        told = "it has no name"
+        for name in names:
+            try:
+                found = self.tf_buffer.lookup_transform(self.odometry_frame, name, rospy.Time(0))
+            except tf2_ros.TransformException as error:
+                told = str(error).strip()
+                continue
+            return matrix(found.transform.translation, found.transform.rotation)
+        raise LookupError("no transform from frame '%s' to %s: %s" % (frame, self.odometry_frame or "odometry", told))
+
     @property
     def T_W_O(self):
         """The map correction (4, 4); None while it is not known for the vehicle's frame."""

@@ -31,6 +31,10 @@ class PlanningSettings:
         self._config, self._take_altitudes = search, take_altitudes
         self._altitudes_m = (limits.min_altitude_m, limits.max_altitude_m)
         self._flown_m = manager.corridor_radius_m + manager.trajectory_deviation_m
+        if limits.zone_distance_m < self._flown_m:
+            rospy.logwarn("map/zone_distance_m %.2f m is less than the %.2f m that what is flown may need beside a "
+                          "zone (manager/corridor_radius_m and trajectory_deviation_m): trajectories there may be refused",
+                          limits.zone_distance_m, self._flown_m)
         self._lock = threading.Lock()
         self._revision = 0  # rises with every change that makes earlier searches void
         rospy.Service("~set_safety_distance", Vec1, self._serve_distance)
