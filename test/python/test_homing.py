@@ -7,7 +7,7 @@ import pytest
 import voxnav
 from fake_flight import LIMITS
 from test_planning_manager import WALL, reached, started, world
-from voxnav.homing import Battery, HomeKeeper, HomeState, HomeTrack, beyond_reserve
+from voxnav.homing import Battery, HomeKeeper, HomeState, HomeTrack, beyond_reserve, reserve_warning
 from voxnav.homing.reserve import Trip
 from voxnav.planning_manager import Control, Reason
 
@@ -206,6 +206,17 @@ def test_a_battery_that_tells_nothing_allows_no_goal(battery, words):
 def test_nothing_is_refused_by_default_and_the_way_home_never():
     assert beyond_reserve(trip((9000.0, 0.0, 2.0)), None, voxnav.HomeConfig(), 0.0) is None
     assert beyond_reserve(trip((0.5, 0.0, 2.0), here=(900.0, 0.0, 2.0)), Battery(0.0, 0.01), CONFIG, 0.0) is None
+
+
+def test_in_flight_a_battery_that_holds_for_the_way_home_and_the_reserve_no_longer_is_told():
+    home = HomeState(np.zeros(3), 200.0, 55.0)
+    assert reserve_warning(home, Battery(0.0, 0.2), CONFIG, 1.0) == ""  # 120 s, of which 115 s are needed
+    assert reserve_warning(home, Battery(0.0, 0.19), CONFIG, 1.0) == (
+        "the way home needs 55 s, and the battery holds 114 s, of which 60 s are reserve: return now")
+    for state, battery, now_s in ((HomeState(np.zeros(3)), Battery(0.0, 0.01), 1.0), (home, None, 1.0),
+                                  (home, Battery(0.0, None), 1.0), (home, Battery(0.0, 0.01), 1000.0)):
+        assert reserve_warning(state, battery, CONFIG, now_s) == ""
+    assert reserve_warning(home, Battery(0.0, 0.01), voxnav.HomeConfig(), 1.0) == ""
 
 
 def test_the_manager_tells_why_a_goal_is_beyond_the_reserve():

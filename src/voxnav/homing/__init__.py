@@ -7,7 +7,7 @@ which the vehicle would not come back.
 """
 
 from voxnav.homing.keeper import HomeKeeper, HomeState
-from voxnav.homing.reserve import Battery, beyond_reserve
+from voxnav.homing.reserve import Battery, beyond_reserve, reserve_warning
 from voxnav.homing.track import HomeTrack
 
-__all__ = ["Battery", "HomeKeeper", "HomeState", "HomeTrack", "beyond_reserve"]
+__all__ = ["Battery", "HomeKeeper", "HomeState", "HomeTrack", "beyond_reserve", "reserve_warning"]

@@ -72,3 +72,20 @@ def beyond_reserve(trip: Trip, battery: Optional[Battery], config: Any, now_s: f
         return None
     return Because(Reason.GOAL_BEYOND_RESERVE, "goal needs %.0f s there and %.0f s back, and the battery holds %.0f s, "
                    "of which %.0f s are reserve" % (there_s, back_s, holds_s, config.reserve_s))
+
+
+def reserve_warning(home: HomeState, battery: Optional[Battery], config: Any, now_s: float) -> str:
+    """Tells in flight that the battery no longer holds for the way home and the reserve; "" if it does.
+
+    It tells nothing where no reserve is configured, or the way home or the charge is not known.
+    config: voxnav.HomeConfig
+    """
+    if config.full_flight_time_s <= 0.0 or home.way_s is None:
+        return ""
+    if battery is None or battery.charge is None or now_s - battery.stamp_s > config.battery_timeout_s:
+        return ""
+    holds_s = battery.charge * config.full_flight_time_s
+    if home.way_s + config.reserve_s <= holds_s:
+        return ""
+    return "the way home needs %.0f s, and the battery holds %.0f s, of which %.0f s are reserve: return now" % (
+        home.way_s, holds_s, config.reserve_s)

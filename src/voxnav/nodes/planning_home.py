@@ -8,8 +8,10 @@ import rospy
 from sensor_msgs.msg import BatteryState
 from std_srvs.srv import Trigger, TriggerResponse
 
-from voxnav.homing import Battery, HomeKeeper, beyond_reserve
+from voxnav.homing import Battery, HomeKeeper, beyond_reserve, reserve_warning
 from voxnav.homing.reserve import Trip
+
+WARNING_INTERVAL_S = 10.0
 
 
 class PlanningHome:
@@ -23,6 +25,7 @@ class PlanningHome:
         self._config, self._inputs, self._look, self._set_goal, self._seam = config, inputs, look, set_goal, seam
         self._keeper = HomeKeeper(manager_config.corridor_radius_m, manager_config.trajectory_deviation_m)
         self._battery = None
+        self.warning = ""  # in flight, that it is time to return
         rospy.Subscriber("~battery_in", BatteryState, self._on_battery, queue_size=1)
         rospy.Service("~return_home", Trigger, self._serve_return)
 
@@ -39,6 +42,9 @@ class PlanningHome:
     def update(self, now_s):
         """Keeps the way home; to be called by the main loop."""
         self._keeper.update(self._inputs(), self._look, now_s)
+        self.warning = reserve_warning(self.state, self._battery, self._config, now_s)
+        if self.warning:
+            rospy.logwarn_throttle(WARNING_INTERVAL_S, self.warning)
 
     def judge(self, goal_W):
         """Tells why the battery does not hold for a goal, as a Because; None if it does."""

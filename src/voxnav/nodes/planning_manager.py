@@ -130,8 +130,8 @@ class PlanningManagerNode:
     def _report(self, status):
         self._tell_if_idle(status)
         is_kept_from_flying = status.because.reason.level is Level.WARN
-        self._diagnostics.set_level(NodeDiagnostics.WARN if is_kept_from_flying else NodeDiagnostics.OK,
-                                    status.reason if is_kept_from_flying else "")
+        problem = status.reason if is_kept_from_flying else self._home.warning
+        self._diagnostics.set_level(NodeDiagnostics.WARN if problem else NodeDiagnostics.OK, problem)
         for name in ("num_plans", "num_trajectories", "num_shortened", "num_hovers", "expansions"):
             self._diagnostics.set_counter(name, getattr(status, name))
         self._diagnostics.set_counter("num_bad_inputs", self._inputs.num_bad)

@@ -33,7 +33,8 @@ class PlanningSettings:
         self._flown_m = manager.corridor_radius_m + manager.trajectory_deviation_m
         if limits.zone_distance_m < self._flown_m:
             rospy.logwarn("map/zone_distance_m %.2f m is less than the %.2f m that what is flown may need beside a "
-                          "zone (manager/corridor_radius_m and trajectory_deviation_m): trajectories there may be refused",
+                          "zone (manager/corridor_radius_m and trajectory_deviation_m): trajectories there may be "
+                          "refused",
                           limits.zone_distance_m, self._flown_m)
         self._lock = threading.Lock()
         self._revision = 0  # rises with every change that makes earlier searches void
