@@ -256,7 +256,7 @@ def test_shipped_parameters_are_the_defaults():
     classes = dict(node=voxnav.PlanningNodeConfig, manager=voxnav.PlanningManagerConfig,
                    planner=voxnav.FlightSearchConfig, map=voxnav.NavigationMapConfig, fences=voxnav.FencesConfig,
                    home=voxnav.HomeConfig, heading=voxnav.HeadingConfig, work=voxnav.WorkTimeConfig,
-                   time=voxnav.TimeConfig)
+                   time=voxnav.TimeConfig, others=voxnav.OtherUavsConfig)
     assert set(sections) == set(classes)
     for name, config_class in classes.items():
         assert config_class.from_dict(sections[name]).to_dict() == config_class().to_dict()
