@@ -8,6 +8,7 @@
 #include "occupancy/log_odds.hpp"
 #include "resealed.hpp"
 #include "scan_maker.hpp"
+#include "steps.hpp"
 #include "voxnav/occupancy/local_map.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -98,11 +99,13 @@ TEST(LocalMap, RaysOverASlopedGroundDoNotEraseIt) {
   const Vec3 sensor(0.2, 0.2, 3.0);
   std::vector<Vec3> near_ground;
   std::vector<Vec3> farther_ground;
-  for (double x = 6.0; x < 14.0; x += 0.05) near_ground.emplace_back(x, 0.2, 0.05);
-  for (double x = 14.0; x < 18.0; x += 0.5) farther_ground.emplace_back(x, 0.2, 0.05);
+  for (const double x : test::steps(6.0, 14.0, 0.05)) near_ground.emplace_back(x, 0.2, 0.05);
+  for (const double x : test::steps(14.0, 18.0, 0.5)) farther_ground.emplace_back(x, 0.2, 0.05);
   for (int i = 0; i < 4; ++i) insert_from(&map, sensor, near_ground);
   for (int i = 0; i < 100; ++i) insert_from(&map, sensor, farther_ground);
-  for (double x = 6.1; x < 14.0; x += 0.4) EXPECT_EQ(map.state(Vec3(x, 0.2, 0.05)), VoxelState::kOccupied) << x;
+  for (const double x : test::steps(6.1, 14.0, 0.4)) {
+    EXPECT_EQ(map.state(Vec3(x, 0.2, 0.05)), VoxelState::kOccupied) << x;
+  }
 }
 
 TEST(LocalMap, BadPointsAreCountedAndChangeNothing) {
@@ -149,8 +152,8 @@ TEST(LocalMap, BeamsWithoutReturnNeverTouchAnOccupiedVoxel) {
 TEST(LocalMap, MeanHitPointsLieOnTheSurface) {
   LocalMap map(small_config());
   std::vector<Vec3> wall;
-  for (double y = -3.0; y < 3.0; y += 0.03) {
-    for (double z = -1.0; z < 1.0; z += 0.03) wall.emplace_back(6.07, y, z);
+  for (const double y : test::steps(-3.0, 3.0, 0.03)) {
+    for (const double z : test::steps(-1.0, 1.0, 0.03)) wall.emplace_back(6.07, y, z);
   }
   for (int i = 0; i < 3; ++i) insert_from(&map, kOrigin, wall);
   const auto points = map.occupied_points();

@@ -3,6 +3,7 @@
 
 #include "occupancy/local_map_impl.hpp"
 #include "scan_maker.hpp"
+#include "steps.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::StateGrid;
@@ -81,7 +82,7 @@ TEST(LocalMapWindow, EvictedBlocksAreBoundedAndDropsCounted) {
 
 TEST(LocalMapWindow, WindowCoversItsSize) {
   const LocalMapConfig config = small_config();
-  for (double shift = 0.0; shift < 13.0; shift += 0.7) {
+  for (const double shift : test::steps(0.0, 13.0, 0.7)) {
     LocalMap map(config);
     insert_from(&map, Vec3(0.1, 0.1, 0.1), {});
     insert_from(&map, Vec3(shift, 0.1, 0.1), {});

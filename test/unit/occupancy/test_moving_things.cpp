@@ -3,6 +3,7 @@
 
 #include "room_world.hpp"
 #include "scan_maker.hpp"
+#include "steps.hpp"
 #include "voxnav/occupancy/moving_things.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -53,9 +54,9 @@ struct Watch {
   }
   /// A person walks along y at x = 3 m. Returns the y at which it is at last.
   double walk(double from_y, double to_y, double speed_mps) {
-    double y = from_y;
-    for (; y < to_y; y += kPeriod_s * speed_mps) see({person_at(3.0, y)});
-    return y - kPeriod_s * speed_mps;
+    const std::vector<double> way = test::steps(from_y, to_y, kPeriod_s * speed_mps);
+    for (const double y : way) see({person_at(3.0, y)});
+    return way.back();
   }
   std::size_t num_occupied(const Aabb& box) const {
     std::size_t count = 0;

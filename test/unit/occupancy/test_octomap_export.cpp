@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scan_maker.hpp"
+#include "steps.hpp"
 #include "voxnav/occupancy/octomap_export.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -49,9 +50,9 @@ VoxelState state_in(const octomap::OcTree& tree, const Vec3& p) {
 }
 
 void expect_same(const octomap::OcTree& tree, const occupancy::LocalMap& map) {
-  for (double x = -10.0; x < 10.0; x += 0.4) {
-    for (double y = -10.0; y < 10.0; y += 0.4) {
-      for (double z = -3.2; z < 5.0; z += 0.4) {
+  for (const double x : test::steps(-10.0, 10.0, 0.4)) {
+    for (const double y : test::steps(-10.0, 10.0, 0.4)) {
+      for (const double z : test::steps(-3.2, 5.0, 0.4)) {
         const Vec3 p(x + 0.2, y + 0.2, z + 0.2);
         ASSERT_EQ(state_in(tree, p), map.state(p)) << p.transpose();
       }

@@ -214,9 +214,11 @@ TEST(LidarOdometry, CoastsThroughGarbageWithoutAJumpAndRecovers) {
 RoomWorld street() {
   RoomWorld w;
   w.room = {Vec3(-60, -12, -2), Vec3(400, 14, 30)};
-  for (double x = -50; x < 120; x += 9 + 4 * std::sin(x)) {
+  double x = -50;
+  while (x < 120) {
     w.boxes.push_back({Vec3(x, 6, -2), Vec3(x + 1.5, 8, 8)});
     w.boxes.push_back({Vec3(x + 4, -9, -2), Vec3(x + 5, -6, 6)});
+    x += 9 + 4 * std::sin(x);
   }
   return w;
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "odometry/point_map.hpp"
+#include "steps.hpp"
 
 namespace {
 
@@ -26,8 +27,9 @@ std::vector<Vec3f> random_points(int count, float half_side, std::uint32_t seed)
 /// Returns a grid of points on the plane z = 0.
 std::vector<Vec3f> floor_points(float step) {
   std::vector<Vec3f> out;
-  for (float x = -2; x <= 2; x += step) {
-    for (float y = -2; y <= 2; y += step) out.emplace_back(x, y, 0.0F);
+  const std::vector<double> side = test::steps(-2.0, 2.0 + 0.5 * step, step);
+  for (const double x : side) {
+    for (const double y : side) out.push_back(voxnav::geometry::Vec3(x, y, 0.0).cast<float>());
   }
   return out;
 }
@@ -78,7 +80,10 @@ TEST(PointMap, FitsUprightLinesButNotSensorRings) {
   for (bool upright : {true, false}) {
     PointMap map(PointMapOptions{});
     std::vector<Vec3f> line;
-    for (float s = -2; s <= 2; s += 0.05F) line.push_back(upright ? Vec3f(3, 0, s) : Vec3f(3, s, 0));
+    for (int i = -40; i <= 40; ++i) {
+      const float s = 0.05F * static_cast<float>(i);
+      line.push_back(upright ? Vec3f(3, 0, s) : Vec3f(3, s, 0));
+    }
     map.insert(line);
     odometry::MapPoint* point = map.nearest(Vec3f(3, 0, 0), 0.5);
     ASSERT_NE(point, nullptr);

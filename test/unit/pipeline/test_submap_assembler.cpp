@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
+#include "steps.hpp"
 #include "voxnav/pipeline/submap_assembler.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -34,8 +35,9 @@ Handover part_of(std::uint32_t id, bool is_final, occupancy::MapContent content)
 /// Returns points on the ground 1.2 m below the sensor, up to 4 m away.
 std::vector<geometry::Vec3f> ground() {
   std::vector<geometry::Vec3f> out;
-  for (float x = -4.0f; x <= 4.0f; x += 0.2f) {
-    for (float y = -4.0f; y <= 4.0f; y += 0.2f) out.emplace_back(x, y, -1.2f);
+  const std::vector<double> side = test::steps(-4.0, 4.1, 0.2);
+  for (const double x : side) {
+    for (const double y : side) out.push_back(geometry::Vec3(x, y, -1.2).cast<float>());
   }
   return out;
 }

@@ -35,6 +35,7 @@ int num_surplus(double max_rate_hz, const std::vector<double>& times_s) {
 
 std::vector<double> even(double rate_hz, int count, double jitter_s = 0.0) {
   std::vector<double> out;
+  out.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) out.push_back(50.0 + i / rate_hz + (i % 2 ? jitter_s : -jitter_s));
   return out;
 }

@@ -100,9 +100,10 @@ TEST(ObstacleSectors, EqualThoseOfAllVoxelsOneByOne) {
     ObstacleSectorsConfig config;
     config.num_horizontal = 1 + static_cast<int>(random() % 12);
     std::vector<std::pair<Vec3, VoxelState>> voxels;
+    voxels.reserve(60);
     for (int i = 0; i < 60; ++i) {
-      voxels.push_back({Vec3(place(random), place(random), place(random)),
-                        random() % 3 == 0 ? VoxelState::kOccupied : VoxelState::kFree});
+      voxels.emplace_back(Vec3(place(random), place(random), place(random)),
+                          random() % 3 == 0 ? VoxelState::kOccupied : VoxelState::kFree);
     }
     const auto grid = grid_of(voxels);
     const Vec3 at(0.3 * place(random), 0.3 * place(random), 0.3 * place(random));

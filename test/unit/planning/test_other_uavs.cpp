@@ -6,6 +6,7 @@
 
 #include "planning/other_uavs.hpp"
 #include "planning/sightings.hpp"
+#include "steps.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using base::from_seconds;
@@ -34,7 +35,7 @@ OtherUav comer() {
 
 planning::TimedLine towards(double speed_mps) {
   planning::TimedLine out;
-  for (double x = 0.0; x <= 20.0; x += 0.2 * speed_mps) {
+  for (const double x : test::steps(0.0, 20.0 + 0.1 * speed_mps, 0.2 * speed_mps)) {
     out.points.emplace_back(x, 0.0, 2.0);
     out.times_s.push_back(x / speed_mps);
   }

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "planning/sightings.hpp"
+#include "steps.hpp"
 
 using namespace voxnav;  // NOLINT: test
 using containers::MovingThing;
@@ -30,7 +31,7 @@ MovingThing person(const Vec3& position, const Vec3& velocity) {
 /// A straight line at constant speed along x.
 TimedLine straight(double length_m, double speed_mps) {
   TimedLine out;
-  for (double x = 0.0; x <= length_m; x += 0.2 * speed_mps) {
+  for (const double x : test::steps(0.0, length_m + 0.1 * speed_mps, 0.2 * speed_mps)) {
     out.points.emplace_back(x, 0.0, 1.0);
     out.times_s.push_back(x / speed_mps);
   }
@@ -104,7 +105,8 @@ TEST(Sightings, MeetingsAreThoseOfBruteForce) {
       line.times_s.push_back(0.5 * i);
     }
     std::optional<double> first;
-    for (double t = 0.0; t <= 3.0 && !first; t += 0.001) {
+    for (int step = 0; step <= 3000 && !first; ++step) {
+      const double t = 0.001 * step;
       const auto i = std::min<std::size_t>(static_cast<std::size_t>(t / 0.5), line.points.size() - 1);
       const std::size_t next = std::min(i + 1, line.points.size() - 1);
       const Vec3 at = line.points[i] + (t / 0.5 - static_cast<double>(i)) * (line.points[next] - line.points[i]);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "content_builder.hpp"
+#include "steps.hpp"
 #include "submap/registration/observed_surface.hpp"
 #include "voxnav/submap/submap.hpp"
 
@@ -27,8 +28,8 @@ occupancy::MapContent grove_seen_from(const Vec3& from) {
       builder.set_occupied({x, y, -1}, Vec3(0.0, 0.0, 0.25));
     }
   }
-  for (double x = -6.2; x < 7.0; x += 3.0) {
-    for (double y = -6.2; y < 7.0; y += 3.0) {
+  for (const double x : test::steps(-6.2, 7.0, 3.0)) {
+    for (const double y : test::steps(-6.2, 7.0, 3.0)) {
       for (int z = 1; z < 10; ++z) {
         const Vec3 axis(x, y, (z + 0.5) * kVoxel);
         Vec3 towards = from - axis;

@@ -5,6 +5,7 @@
 
 #include "content_builder.hpp"
 #include "scan_maker.hpp"
+#include "steps.hpp"
 #include "voxnav/submap/submap_collection.hpp"
 
 using namespace voxnav;  // NOLINT: test
@@ -47,8 +48,8 @@ occupancy::MapContent wall_at(int x_wall, bool is_remembered) {
 /// Returns points of a wall in W along x, 8 m long, with several points in each voxel.
 std::vector<Vec3> wall(double x_from) {
   std::vector<Vec3> out;
-  for (double x = x_from + 0.05; x < x_from + 8.0; x += 0.1) {
-    for (double z = 0.25; z < 2.0; z += 0.1) out.emplace_back(x, 4.03, z);
+  for (const double x : test::steps(x_from + 0.05, x_from + 8.0, 0.1)) {
+    for (const double z : test::steps(0.25, 2.0, 0.1)) out.emplace_back(x, 4.03, z);
   }
   return out;
 }
