@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -32,7 +33,7 @@ class BlockMask {
   void set() { words_.fill(~std::uint64_t{0}); }
   /// Sets the bits of a layer of voxels, all of the same height in the block.
   void set_layer(int z) {
-    const auto first = words_.begin() + z * kWordsPerLayer;
+    const auto first = words_.begin() + static_cast<std::ptrdiff_t>(z) * kWordsPerLayer;
     std::fill(first, first + kWordsPerLayer, ~std::uint64_t{0});
   }
 
