@@ -15,7 +15,6 @@ void LocalMapperNodelet::on_others(const msg::OtherUavsConstPtr& others) {
   }
   std::vector<voxnav::containers::OtherUav> known;
   for (const msg::OtherUav& other : others->others) {
-    if (other.places.empty() || !(other.step_s > 0.0) || !(other.body_radius_m >= 0.0)) continue;
     known.emplace_back();
     known.back().name = other.name;
     known.back().stamp_ns = to_ns(other.stamp);

@@ -25,7 +25,7 @@ constexpr std::size_t kMaxUnlevel = 80;
 
 /// Where others are is not known any more in sweeps that are this much newer than the newest news.
 constexpr double kMaxNewsAge_s = 1.0;
-/// No sweep takes longer.
+/// A sweep at the usual 10 Hz. Of a longer one the part of a body that comes later may be mapped, which is safe.
 constexpr base::StampNs kSweep_ns = 100'000'000;
 
 std::string seconds(base::StampNs stamp_ns) { return std::to_string(base::to_seconds(stamp_ns)); }
