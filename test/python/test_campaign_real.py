@@ -3,9 +3,9 @@
 
 import csv
 import os
-import subprocess
 
 import pytest
+from running import run_command
 
 rospkg = pytest.importorskip("rospkg")
 pytest.importorskip("distributed")
@@ -21,8 +21,7 @@ def test_two_flights_side_by_side(tmp_path):
     command = [os.path.join(ROOT, "scripts", "campaign"), "--worlds", "grove", "--seeds", "1", "--densities", "100",
                "--speeds", "%g,%g" % SPEEDS_MPS, "--workers", "2", "--config",
                os.path.join(ROOT, "test", "support", "light_sensor.yaml"), "--out", str(tmp_path)]
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=500,
-                         universal_newlines=True)
+    run = run_command(command)
     assert run.returncode == 0, run.stdout[-3000:]
     with open(str(tmp_path / "flights.csv"), newline="") as source:
         rows = sorted(csv.DictReader(source), key=lambda row: float(row["speed_mps"]))

@@ -3,7 +3,6 @@
 
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
@@ -16,6 +15,7 @@ pytest.importorskip("roslaunch")
 import voxnav  # noqa: E402
 from recordings import (ABSOLUTE_TIMES, FIRST_STAMP_S, ROOT, TimeField, body_pose, flight,  # noqa: E402
                         sweeps, write_messages)
+from running import run_command  # noqa: E402
 from voxnav import simulation  # noqa: E402
 from voxnav.demo.recording import mount_argument  # noqa: E402
 from voxnav.offline.configs import rotation_from_rpy  # noqa: E402
@@ -35,8 +35,7 @@ def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(times, f
     bag, out = str(tmp_path / "flight.bag"), str(tmp_path / "out")
     write_messages(bag, flight(scans, MOUNT, first_stamp_s=first_stamp_s, times=times))
     command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", bag, "--out", out, "--no-rviz"]
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                         timeout=300)
+    run = run_command(command)
     with open(os.path.join(out, "roslaunch.log")) as log:
         assert run.returncode == 0, run.stdout + log.read()
     with open(os.path.join(out, "summary.json")) as source:
@@ -56,8 +55,7 @@ def test_a_recording_with_a_mounted_sensor_is_mapped_where_the_world_is(times, f
 def map_with_nodes(data, out):
     """Runs demo_real with poses from LiDAR odometry; returns what it printed and its summary."""
     command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", data, "--out", out, "--no-rviz"]
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                         timeout=300)
+    run = run_command(command)
     with open(os.path.join(out, "summary.json")) as source:
         return run, json.load(source)
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from running import run_command
 
 rospkg = pytest.importorskip("rospkg")
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -30,8 +31,8 @@ def fly(out):
     """Flies through the grove, and returns the figures of its summary and the bytes of its map."""
     command = [os.path.join(ROOT, "scripts", "demo"), "--world", "grove", "--lockstep", "--speed", "0", "--no-rviz",
                "--out", str(out)]
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300)
-    assert run.returncode == 0, run.stdout.decode()[-3000:]
+    run = run_command(command)
+    assert run.returncode == 0, run.stdout[-3000:]
     with open(str(out / "summary.json")) as source:
         summary = json.load(source)
     return {key: value for key, value in summary.items() if key not in OF_THE_MACHINE}

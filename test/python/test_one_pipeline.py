@@ -2,7 +2,6 @@
 """The nodes in lock-step and scripts/map_bag make the same trajectory and map of a recording, byte for byte."""
 
 import os
-import subprocess
 import sys
 
 import pytest
@@ -12,6 +11,7 @@ pytest.importorskip("rosbag")
 pytest.importorskip("roslaunch")
 
 from recordings import ROOT, sweeps, write_bag  # noqa: E402
+from running import run_command  # noqa: E402
 from voxnav.offline.cli import main as map_bag  # noqa: E402
 
 NUM_SCANS = 36
@@ -38,8 +38,7 @@ def write(path, text):
 def through_the_nodes(bag, config, out, *options):
     command = [sys.executable, os.path.join(ROOT, "scripts", "demo_real"), "--data", bag, "--out", out, "--no-rviz",
                "--config", config] + list(options)
-    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                         timeout=400)
+    run = run_command(command)
     with open(os.path.join(out, "roslaunch.log")) as log:
         assert run.returncode == 0, run.stdout + log.read()
 

@@ -5,11 +5,11 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 
 import numpy as np
 import pytest
+from running import run_command
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Scripts that other tests run, and those that build something, which the commands of the Makefile run.
@@ -49,8 +49,7 @@ RUN_HERE = {"check_recording", "map_bag", "merge_maps", "evaluate_alignment", "e
 def run(script, *arguments, status=0):
     """Runs a script and returns what it printed."""
     command = [sys.executable, os.path.join(ROOT, "scripts", script)] + [str(word) for word in arguments]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                          timeout=300)
+    done = run_command(command, cwd=ROOT)
     assert done.returncode == status, "%s %s: %s" % (script, arguments, done.stdout)
     return done.stdout
 

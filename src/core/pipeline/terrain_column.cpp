@@ -7,7 +7,6 @@ namespace voxnav::pipeline {
 namespace {
 
 constexpr std::uint32_t kWhole = (1u << TerrainColumn::kSide) - 1u;
-constexpr std::size_t kColumns = TerrainColumn::kSide * TerrainColumn::kSide;
 
 }  // namespace
 

@@ -94,7 +94,7 @@ Heights TerrainMap::ground_of(const Index3& block, const Lowest& lowest) const {
     if (found == lowest.end()) return;
     const int x0 = (near.x - block.x) * kSide, y0 = (near.y - block.y) * kSide;
     for (int y = 0; y < kSide; ++y)
-      opening.set_row(x0, y0 + y, &found->second[static_cast<std::size_t>(y * kSide)], kSide);
+      opening.set_row(x0, y0 + y, &found->second[static_cast<std::size_t>(y) * kSide], kSide);
   });
   Heights out;
   opening.run(&out[0]);

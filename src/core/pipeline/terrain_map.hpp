@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -23,9 +25,10 @@ struct HeightLimits {
 class TerrainColumn {
  public:
   static constexpr int kSide = geometry::kBlockSide;
+  static constexpr std::size_t kColumns = std::size_t{kSide} * kSide;
   static constexpr std::int32_t kUnknown = std::numeric_limits<std::int32_t>::max();
   /// Heights in voxels, x fastest; those that are not known are kUnknown.
-  using Heights = std::array<std::int32_t, kSide * kSide>;
+  using Heights = std::array<std::int32_t, kColumns>;
 
   TerrainColumn(const Heights& lowest_occupied, const Heights& ground);
 
