@@ -99,7 +99,8 @@ class LidarOdometryTest(unittest.TestCase):
                 if self.odom:
                     return
                 time.sleep(0.01)
-        self.fail("the mounting never reached the node")
+        said = {diagnostics.message for diagnostics in self.diagnostics}
+        self.fail("no pose after %d clouds; the node said %s" % (len(self.progress), sorted(said)))
 
     def said(self, text):
         return wait_for(lambda: any(text in d.message for d in self.diagnostics))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import heapq
 import os
-import shutil
 import struct
 import tempfile
 import weakref
@@ -15,6 +14,8 @@ import numpy as np
 
 from voxnav.array_types import Array
 from voxnav.recordings.bag_index import BagIndex
+from voxnav.recordings.bag_records import MAGIC
+from voxnav.recordings.bag_salvage import DAMAGED, salvage
 from voxnav.recordings.errors import DatasetError, Problem
 from voxnav.recordings.left_out import LeftOut
 
@@ -66,21 +67,22 @@ def frame_name(frame_id: str) -> str:
     return str(frame_id).lstrip("/")
 
 
-def _repaired(path: str) -> tuple[Any, str]:
-    """Returns a readable copy of a bag that has no index, and its path."""
+def _salvaged(path: str, left_out: LeftOut) -> tuple[Any, str]:
+    """Returns a readable bag of what is intact of a bag that cannot be opened, and its path; counts what is lost."""
     import rosbag
 
+    with open(path, "rb") as source:
+        if source.read(len(MAGIC)) != MAGIC:
+            raise DatasetError("%s: not a readable bag: it does not begin as one of version 2.0" % path)
     copy = tempfile.NamedTemporaryFile(suffix=".bag", delete=False)
     copy.close()
     try:
-        shutil.copyfile(path, copy.name)
-        with rosbag.Bag(copy.name, "a", allow_unindexed=True) as bag:
-            for _ in bag.reindex():
-                pass
+        if salvage(path, copy.name, left_out) == 0:
+            raise ValueError("no message in it is intact")
         return rosbag.Bag(copy.name), copy.name
-    except Exception as error:  # the reader fails in many ways on damaged bytes
+    except Exception as error:
         os.unlink(copy.name)
-        raise DatasetError("%s: truncated, and nothing in it can be recovered: %s" % (path, error))
+        raise DatasetError("%s: truncated or damaged, and nothing in it can be recovered: %s" % (path, error))
 
 
 class BagFiles:
@@ -111,21 +113,18 @@ class BagFiles:
             raise DatasetError("%s: no such file" % path)
         self.size_bytes += os.path.getsize(path)
         try:
-            self._bags.append(rosbag.Bag(path))
-        except rosbag.ROSBagUnindexedException:
-            bag, copy = _repaired(path)
-            self._bags.append(bag)
+            bag = rosbag.Bag(path)
+            index = BagIndex(bag)
+        except Exception:  # the reader fails in many ways on damaged bytes
+            bag, copy = _salvaged(path, self.left_out)
+            index = BagIndex(bag)
             self._copies.append(weakref.finalize(self, os.unlink, copy))
             self.warnings.append(Problem(
-                "%s was not closed properly (truncated?); what is intact is used" % path,
-                "copy it again if the copy was interrupted; `rosbag reindex` makes a bag of it that opens faster; end "
-                "recordings with Ctrl-C, and wait until the file has lost the ending .active"))
-        except Exception as error:  # the reader fails in many ways on damaged bytes
-            raise DatasetError("%s: not a readable bag: %s" % (path, error))
-        try:
-            self._indexes.append(BagIndex(self._bags[-1]))
-        except Exception as error:  # rosbag reads the index only on the first access
-            raise DatasetError("%s: its index cannot be read: %s" % (path, error))
+                "%s was not closed properly (truncated?), or is damaged; what is intact is used" % path,
+                "copy it again if the copy was interrupted; end recordings with Ctrl-C, and wait until the file has "
+                "lost the ending .active"))
+        self._bags.append(bag)
+        self._indexes.append(index)
         self.warnings += [Problem(note, "set the clock before recording begins; the times of this recording are mended")
                           for note in self._indexes[-1].notes]
 
@@ -161,13 +160,15 @@ class BagFiles:
         """Reads messages one by one, because rosbag would stop at the first damaged one."""
         damaged_chunk = None
         has_chunks = hasattr(bag._reader, "decompressed_chunk_pos")
-        for record_ns, (chunk, offset) in zip(times_ns.tolist(), places.tolist()):
+        for record_ns, (chunk, offset, index_ns, connection) in zip(times_ns.tolist(), places.tolist()):
             if chunk == damaged_chunk:
                 self._count_damage(record_ns)
                 continue
             try:
                 position = (chunk, offset) if has_chunks else chunk
-                topic, (_, data, _, _, kind), _ = bag._read_message(position, raw=True)
+                topic, (_, data, _, _, kind), stamp = bag._read_message(position, raw=True)
+                if stamp.to_nsec() != index_ns or topic != bag._connections[connection].topic:
+                    raise ValueError("the index leads to another message")
             except Exception:  # the reader fails in many ways on damaged bytes
                 # A chunk that cannot be decompressed is lost as a whole; otherwise only this message is lost.
                 if has_chunks and bag._reader.decompressed_chunk_pos != chunk:
@@ -177,4 +178,4 @@ class BagFiles:
             yield RawMessage(topic, record_ns, data, kind)
 
     def _count_damage(self, record_ns: int) -> None:
-        self.left_out.add("message", "its part of the file is damaged", record_ns)
+        self.left_out.add("message", DAMAGED, record_ns)

@@ -17,21 +17,38 @@ class BagIndex:
     """Record times in nanoseconds and places of the messages of a bag.
 
     If the clock of the recorder was set back, earlier record times are moved so that all of them rise.
-    notes: sentences on what was moved. O(n log n) for n messages, with 24 bytes for each.
+    notes: sentences on what was moved. Raises ValueError if the index is damaged. O(n log n) for n messages, with 40
+    bytes for each.
     """
 
     def __init__(self, bag: Any) -> None:
         self.notes: List[str] = []
         self._bag = bag
         self._times: Dict[int, Array] = {}  # record times by connection
-        self._places: Dict[int, Array] = {}  # (n, 2) by connection: chunk, offset
+        self._places: Dict[int, Array] = {}  # by connection, as places() returns them
         bag._get_indexes(None)  # makes rosbag read the index
         for connection, index in bag._connection_indexes.items():
             self._times[connection] = np.array([entry.time.to_nsec() for entry in index], dtype=np.int64)
-            self._places[connection] = np.array([_place(entry.position) for entry in index],
-                                                dtype=np.int64).reshape(-1, 2)
+            self._places[connection] = np.array([_place(entry.position) + (entry.time.to_nsec(), connection)
+                                                 for entry in index], dtype=np.int64).reshape(-1, 4)
+        self._check()
         if any(np.any(np.diff(times) < -_STEP_NS) for times in self._times.values()):
             self._undo_steps()
+
+    def _check(self) -> None:
+        """Raises ValueError if a message was not recorded between the first and the last time of its chunk.
+
+        rosbag does not look at what it reads from the index: damaged bytes there would lead to other messages.
+        """
+        chunks = sorted((chunk.pos, chunk.start_time.to_nsec(), chunk.end_time.to_nsec())
+                        for chunk in getattr(self._bag, "_chunks", ()))
+        if not chunks:  # files of version 1.2 have none
+            return
+        limits = np.array(chunks, dtype=np.int64)
+        for places in self._places.values():
+            of_chunk = limits[np.searchsorted(limits[:, 0], places[:, 0])]
+            if np.any((places[:, 2] < of_chunk[:, 1]) | (places[:, 2] > of_chunk[:, 2])):
+                raise ValueError("the index of a chunk is damaged")
 
     def _undo_steps(self) -> None:
         """Moves record times before a step back of the clock, so that they come before those after it.
@@ -65,10 +82,13 @@ class BagIndex:
         return np.sort(np.concatenate(times)) if times else np.empty(0, dtype=np.int64)
 
     def places(self, topics: Sequence[str], from_ns: int | None, until_ns: int | None) -> tuple[Array, Array]:
-        """Returns record times (n,) int64 and places (n, 2) int64, sorted by time; both limits are included."""
+        """Returns record times (n,) and places (n, 4) int64, sorted by time; both limits are included.
+
+        A place is the chunk, the offset in it, the record time as the file has it, and the connection.
+        """
         chosen = self._chosen(topics)
         if not chosen:
-            return np.empty(0, dtype=np.int64), np.empty((0, 2), dtype=np.int64)
+            return np.empty(0, dtype=np.int64), np.empty((0, 4), dtype=np.int64)
         times = np.concatenate([self._times[connection] for connection in chosen])
         order = np.argsort(times, kind="stable")
         first = 0 if from_ns is None else int(np.searchsorted(times[order], from_ns, "left"))
