@@ -67,7 +67,7 @@ class Bumper {
     double across_m, along_m;  ///< obstacles nearer than this repel, horizontally and vertically
   };
   Reach reach(const TrackerLimits& limits) const;
-  std::optional<Vec3> push(const SectorRanges& sectors, double heading_rad, const Reach& reach) const;
+  std::optional<Vec3> push(const SectorRanges& sectors, double heading_rad, const Reach& near) const;
   std::optional<double> sector_range(const Range& range, double direction_rad, double max_m) const;
 
   BumperConfig config_;

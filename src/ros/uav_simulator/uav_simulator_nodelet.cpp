@@ -94,7 +94,9 @@ class UavSimulatorNodelet : public NodeletBase {
     uav_->set_stamp_ns(voxnav::base::from_seconds(config_.start_time_s));
   }
 
-  std::uint64_t seed() const { return static_cast<std::uint64_t>(config_.seed + config_.seed_offset); }
+  std::uint64_t seed() const {
+    return static_cast<std::uint64_t>(config_.seed) + static_cast<std::uint64_t>(config_.seed_offset);
+  }
 
   void run() {
     const int steps = 200 / config_.clock_hz;

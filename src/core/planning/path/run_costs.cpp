@@ -93,7 +93,7 @@ int RunCosts::last_alike(const TowerBlock& in, int column, int low, int high) co
   const std::uint32_t unknown = in.block->unknown[column];
   const ClearanceDistances* distances = in.block->to_occupied.get();
   const std::int16_t* squared =
-      distances != nullptr ? &(*distances)[static_cast<std::size_t>(kSide * column)] : nullptr;
+      distances != nullptr ? &(*distances)[static_cast<std::size_t>(column) * kSide] : nullptr;
   int z = low;
   while (z < high && ((unknown ^ (unknown >> 1)) >> z & 1u) == 0 &&
          (squared == nullptr || squared[z + 1] == squared[low])) {
