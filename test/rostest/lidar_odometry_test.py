@@ -100,7 +100,8 @@ class LidarOdometryTest(unittest.TestCase):
                     return
                 time.sleep(0.01)
         said = {diagnostics.message for diagnostics in self.diagnostics}
-        self.fail("no pose after %d clouds; the node said %s" % (len(self.progress), sorted(said)))
+        self.fail("no pose after %d clouds, %d listen to the mount; the node said %s" % (
+            len(self.progress), self.mount.pub_tf.get_num_connections(), sorted(said)))
 
     def said(self, text):
         return wait_for(lambda: any(text in d.message for d in self.diagnostics))

@@ -29,7 +29,7 @@ std::vector<Vec3f> floor_points(float step) {
   std::vector<Vec3f> out;
   const std::vector<double> side = test::steps(-2.0, 2.0 + 0.5 * step, step);
   for (const double x : side) {
-    for (const double y : side) out.push_back(voxnav::geometry::Vec3(x, y, 0.0).cast<float>());
+    for (const double y : side) out.emplace_back(voxnav::geometry::Vec3(x, y, 0.0).cast<float>());
   }
   return out;
 }

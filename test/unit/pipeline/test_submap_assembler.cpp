@@ -37,7 +37,7 @@ std::vector<geometry::Vec3f> ground() {
   std::vector<geometry::Vec3f> out;
   const std::vector<double> side = test::steps(-4.0, 4.1, 0.2);
   for (const double x : side) {
-    for (const double y : side) out.push_back(geometry::Vec3(x, y, -1.2).cast<float>());
+    for (const double y : side) out.emplace_back(geometry::Vec3(x, y, -1.2).cast<float>());
   }
   return out;
 }

@@ -164,8 +164,9 @@ TEST(TerrainMap, ForbidsWhatIsOutsideTheLimitsInEachColumn) {
 TEST(Opening, IsTheGreatestOfTheLeastHeightsInTheWindow) {
   std::mt19937 random(3);
   constexpr int kSide = 6, kReach = 2, kMargin = 5, kWidth = kSide + 2 * kMargin;
+  const auto cell = [](int x, int y, int width) { return static_cast<std::size_t>(y) * width + x; };
   for (int round = 0; round < 20; ++round) {
-    std::vector<std::int32_t> cells(kWidth * kWidth);
+    std::vector<std::int32_t> cells(cell(0, kWidth, kWidth));
     std::vector<bool> is_set(cells.size());
     pipeline::Opening opening(kSide, kMargin, kReach);
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -179,20 +180,19 @@ TEST(Opening, IsTheGreatestOfTheLeastHeightsInTheWindow) {
         for (int u = std::max(0, x - kReach); u <= std::min(kWidth - 1, x + kReach); ++u) visit(u, v);
       }
     };
-    std::vector<std::int32_t> found(kSide * kSide);
+    std::vector<std::int32_t> found(cell(0, kSide, kSide));
     opening.run(&found[0]);
     for (int y = 0; y < kSide; ++y) {
       for (int x = 0; x < kSide; ++x) {
         std::int32_t best = INT32_MIN;
         window(x + kMargin, y + kMargin, [&](int u, int v) {
           std::int32_t least = pipeline::Opening::kUnknown;
-          window(u, v, [&](int s, int t) { least = std::min(least, cells[static_cast<std::size_t>(t * kWidth + s)]); });
-          if (is_set[static_cast<std::size_t>(v * kWidth + u)] && least != pipeline::Opening::kUnknown) {
+          window(u, v, [&](int s, int t) { least = std::min(least, cells[cell(s, t, kWidth)]); });
+          if (is_set[cell(u, v, kWidth)] && least != pipeline::Opening::kUnknown) {
             best = std::max(best, least);
           }
         });
-        EXPECT_EQ(found[static_cast<std::size_t>(y * kSide + x)],
-                  best == INT32_MIN ? pipeline::Opening::kUnknown : best);
+        EXPECT_EQ(found[cell(x, y, kSide)], best == INT32_MIN ? pipeline::Opening::kUnknown : best);
       }
     }
   }
