@@ -37,7 +37,8 @@ def read(path):
     try:
         found = [((message.topic, message.record_ns), message.data) for message in files.messages(TOPICS)]
         assert len(dict(found)) == len(found), "a message was read twice"
-        return dict(found), files.left_out.count("message"), files.left_out.count("part of the file")
+        counts = [files.left_out.count(what) + files.lost.count(what) for what in ("message", "part of the file")]
+        return dict(found), counts[0], counts[1]
     finally:
         files.close()
 

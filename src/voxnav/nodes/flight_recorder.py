@@ -17,6 +17,7 @@ import voxnav
 from voxnav.msg import Clearance, NodeDiagnostics, PlannerStatus, SubmapPoses
 from voxnav.nodes.clouds import points_from_msg
 from voxnav.nodes.poses import pose_from_msg
+from voxnav.nodes.time_leader import ANSWER_LIMIT_S
 
 TRAJECTORY = "submap_optimizer/trajectory"
 NODES = ("uav_simulator", "lidar_simulator", "cloud_filter", "local_mapper", "submap_integrator", "submap_optimizer",
@@ -123,25 +124,33 @@ class FlightRecorder:
         return self._status
 
     def wait_until(self, condition, timeout_s, what):
-        """Waits in wall time until condition() is true. Raises MissionError naming what was awaited."""
-        deadline = time.monotonic() + timeout_s
+        """Waits until condition() is true. Raises MissionError naming what was awaited.
+
+        The limit is of wall time. While this node leads time it is of simulated time, so that it does not depend on the
+        machine.
+        """
+        waited_s = 0.0
         while not rospy.is_shutdown():
             with self._lock:
                 if condition():
                     return
-            if time.monotonic() > deadline:
+            if waited_s > timeout_s:
                 raise MissionError("waited %.0f s in vain for %s" % (timeout_s, what))
             if self._is_leading():
-                self._let_time_run(deadline)
+                self._let_time_run()
+                waited_s += LEADER_STEP_S
             else:
+                before_s = time.monotonic()
                 time.sleep(0.05)
+                waited_s += time.monotonic() - before_s
         raise MissionError("interrupted while waiting for %s" % what)
 
     def _is_leading(self):
         return self._leader is not None and self._leader.is_leading
 
-    def _let_time_run(self, deadline):
+    def _let_time_run(self):
         """Lets time run one step further in lock-step, until the planner has published its status of that instant."""
+        deadline = time.monotonic() + ANSWER_LIMIT_S
         try:
             now_s = self._leader.run_for(LEADER_STEP_S)
         except TimeoutError as error:
@@ -166,7 +175,7 @@ class FlightRecorder:
         take_off = rospy.ServiceProxy("uav_manager/takeoff", Trigger)
         if self._is_leading():
             for _ in range(WARM_UP_STEPS):
-                self._let_time_run(time.monotonic() + timeout_s)
+                self._let_time_run()
         deadline = time.monotonic() + timeout_s
         response = take_off()
         # A step is refused while nodes for which lock-step waits are still starting.
@@ -198,7 +207,8 @@ class FlightRecorder:
     def fly_to(self, frame, goal, timeout_s, limit_s=None):
         """Sends the goal and waits until it is reached or given up.
 
-        timeout_s: limit of wall time; limit_s: limit of simulated time, or None.
+        timeout_s: limit as of wait_until(); limit_s: simulated time after which the flight counts as not successful, or
+        None.
         """
         self.send_goal(frame, goal)
         end_s = float("inf") if limit_s is None else self.record.mission[0] + limit_s

@@ -48,6 +48,7 @@ class BagStream:
     def records(self) -> Iterator[Imu | Odometry | Scan]:
         """Yields all records that can be used. Messages are read once, and the memory for them is bounded."""
         self._files.left_out = self._left_out
+        self._left_out.take(self._files.lost)
         going_on = dict(self._topics)
         for message in self._files.messages(list(self._topics) + list(self._infos)):
             for name in [name for name, topic in going_on.items() if topic.end_ns < message.record_ns]:

@@ -88,12 +88,13 @@ def _salvaged(path: str, left_out: LeftOut) -> tuple[Any, str]:
 class BagFiles:
     """The bags of one recording, given in any order. Damaged messages are left out and counted in ``left_out``.
 
+    lost: what could not be recovered of files that cannot be opened; it is known before anything is read.
     warnings: what is wrong with the files. Raises DatasetError naming the file that cannot be read.
     """
 
     def __init__(self, paths: Sequence[str]) -> None:
         self.warnings: list[Problem] = []
-        self.left_out = LeftOut()
+        self.left_out, self.lost = LeftOut(), LeftOut()
         self._bags: list[Any] = []
         self._indexes: list[BagIndex] = []
         # Copies are removed even if the files are not closed, for example because of an exception.
@@ -116,11 +117,14 @@ class BagFiles:
             bag = rosbag.Bag(path)
             index = BagIndex(bag)
         except Exception:  # the reader fails in many ways on damaged bytes
-            bag, copy = _salvaged(path, self.left_out)
+            lost = LeftOut()
+            bag, copy = _salvaged(path, lost)
+            self.lost.take(lost)
             index = BagIndex(bag)
             self._copies.append(weakref.finalize(self, os.unlink, copy))
             self.warnings.append(Problem(
-                "%s was not closed properly (truncated?), or is damaged; what is intact is used" % path,
+                "; ".join(["%s was not closed properly (truncated?), or is damaged; what is intact is used" % path] +
+                          lost.lines()),
                 "copy it again if the copy was interrupted; end recordings with Ctrl-C, and wait until the file has "
                 "lost the ending .active"))
         self._bags.append(bag)
