@@ -43,7 +43,7 @@ def read(path):
         files.close()
 
 
-@pytest.mark.parametrize("compression", ["none", "bz2"])
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 @pytest.mark.parametrize("kind", ["zeros", "noise"])
 def test_damage_anywhere_loses_what_is_there_and_counts_it(compression, kind, tmp_path):
     path = str(tmp_path / "flight.bag")
@@ -73,7 +73,7 @@ def chunk_sizes(path):
         return [sum(chunk.connection_counts.values()) for chunk in bag._chunks]
 
 
-@pytest.mark.parametrize("compression", ["none", "bz2"])
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 0.999])
 def test_a_file_that_is_cut_off_is_read_up_to_there(compression, share, tmp_path):
     path = str(tmp_path / "flight.bag")
