@@ -188,6 +188,10 @@ void bind_outputs(py::class_<LocalMap>& cls) {
       .def("new_hits", &new_hits,
            "Returns the hits of the newest scan in voxels that were believed to be free a short time ago, as (points\n"
            "(k, 3) float32 [m], returns (k,) int32, states after the scan (k,) int8).")
+      .def_property_readonly("num_new_not_kept", &LocalMap::num_new_not_kept,
+                             "Number of hits in free voxels that came when their block had no room to remember them.")
+      .def_property_readonly("num_moving_not_kept", &LocalMap::num_moving_not_kept,
+                             "How often a voxel was to be marked as moving beyond the number that is remembered.")
       .def("content", &LocalMap::content, "All known voxels as MapContent.")
       .def("hand_over", &LocalMap::hand_over,
            "Returns content() and begins a new submap: what is hit or crossed from here on counts as observed by it.")

@@ -39,6 +39,8 @@ void LocalMapperNodelet::report(const occupancy::InsertStatistics& s) {
   diagnostics().set_counter("cells_freed", static_cast<double>(s.cells_freed));
   diagnostics().set_counter("blocks_evicted_dropped", static_cast<double>(mapper_->map().num_evicted_dropped()));
   diagnostics().set_counter("moving_not_followed", static_cast<double>(mapper_->moving().num_not_followed()));
+  diagnostics().set_counter("new_voxels_not_kept", static_cast<double>(mapper_->map().num_new_not_kept()));
+  diagnostics().set_counter("moving_voxels_not_kept", static_cast<double>(mapper_->map().num_moving_not_kept()));
   diagnostics().set_counter("map_mb", static_cast<double>(mapper_->map().memory_bytes()) * 1e-6);
   if (ros::SteadyTime::now() > warned_ + ros::WallDuration(kWarningHold_s)) {
     diagnostics().set_level(msg::NodeDiagnostics::OK, "");

@@ -30,7 +30,8 @@ struct InsertStatistics {
   std::size_t cells_freed = 0;     ///< voxels that became free
   std::size_t cells_evicted = 0;   ///< known voxels that left the window
   std::size_t blocks_evicted = 0;
-  bool window_cleared = false;  ///< the pose jumped beyond the window, so that nothing of it could be kept
+  std::size_t new_not_kept = 0;  ///< as in LocalMap::num_new_not_kept()
+  bool window_cleared = false;   ///< the pose jumped beyond the window, so that nothing of it could be kept
 };
 
 /// The worst state (occupied, unknown, free in this order) of all voxels that a ball touches along a segment, and the
@@ -86,6 +87,11 @@ class LocalMap {
   const std::vector<NewHit>& new_hits() const;
   /// Returns what became of a new voxel; nothing if it is none.
   std::optional<NewVoxelSight> sight_of_new(const geometry::Index3& voxel) const;
+  /// Returns how many hits in free voxels came when their block had no room to remember them as new, since the map was
+  /// made. What moves there may leave hits behind, which stay until beams see through them often enough.
+  std::uint64_t num_new_not_kept() const;
+  /// Returns how often a voxel was to be marked as moving beyond the number that is remembered, since the map was made.
+  std::uint64_t num_moving_not_kept() const;
   /// Marks new voxels as those of something that moves; others are left as they are. Content that is handed over then
   /// holds what was known of these voxels before.
   void mark_moving(const std::vector<geometry::Index3>& voxels);

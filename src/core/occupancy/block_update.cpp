@@ -132,7 +132,8 @@ BlockUpdate update_block(OctreeBlock* block, const BlockEvidence& evidence, cons
   Applied applied;
   apply_misses(block, evidence, hits, refuted, rules.scale, levels, &applied);
   NewVoxels& new_voxels = block->new_voxels;
-  new_voxels.add_hits(evidence.hits_begin, evidence.hits_end, block->log_odds.data(), levels, evidence.scan);
+  applied.update.new_not_kept =
+      new_voxels.add_hits(evidence.hits_begin, evidence.hits_end, block->log_odds.data(), levels, evidence.scan);
   apply_hits(block, evidence, rules.scale, levels, &applied);
   if (!new_voxels.empty()) {
     report_hits_of_new(*block, evidence, levels, hits_of_new);

@@ -35,12 +35,14 @@ struct BlockUpdate {
   std::size_t missed = 0;
   std::size_t became_free = 0;
   std::size_t became_occupied = 0;
+  std::size_t new_not_kept = 0;  ///< hits of new voxels of which NewVoxels has no more room
   bool any_state_changed = false;
 
   BlockUpdate& operator+=(const BlockUpdate& other) {
     missed += other.missed;
     became_free += other.became_free;
     became_occupied += other.became_occupied;
+    new_not_kept += other.new_not_kept;
     return *this;
   }
 };

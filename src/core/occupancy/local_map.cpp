@@ -39,6 +39,7 @@ InsertStatistics LocalMap::insert(const geometry::PointsView& points_L, const ge
   forest.recent_scans = std::min(forest.recent_scans + 1, SurfaceLeaf::kMaxNumber);
   ++forest.scans;
   impl_->insertion.run({points_L, no_return_directions_L, T_W_L, limits, impl_->bodies}, &forest, &statistics);
+  impl_->num_new_not_kept += statistics.new_not_kept;
   return statistics;
 }
 

@@ -30,7 +30,9 @@ struct LocalMap::Impl {
   EvictedBlocks evicted;
   RemovedBlocks removed;
   std::vector<geometry::Index3> moving;  ///< voxels that are marked as moving, and some that are not any more
-  std::uint64_t taken_at = 0;            ///< sequence number at the last take_changes()
+  std::uint64_t num_new_not_kept = 0;    ///< NewVoxels that had no room
+  std::uint64_t num_moving_not_kept = 0;
+  std::uint64_t taken_at = 0;  ///< sequence number at the last take_changes()
 };
 
 }  // namespace voxnav::occupancy

@@ -59,11 +59,18 @@ std::optional<NewVoxelSight> LocalMap::sight_of_new(const geometry::Index3& voxe
   return NewVoxelSight{forest.scans - found->last_scan, found->is_seen_through};
 }
 
+std::uint64_t LocalMap::num_new_not_kept() const { return impl_->num_new_not_kept; }
+std::uint64_t LocalMap::num_moving_not_kept() const { return impl_->num_moving_not_kept; }
+
 void LocalMap::mark_moving(const std::vector<geometry::Index3>& voxels) {
   for (const geometry::Index3& index : voxels) {
     OctreeBlock* block = block_of(&impl_->forest, index);
     NewVoxel* voxel = block != nullptr ? block->new_voxels.find(geometry::offset_in_block(index)) : nullptr;
-    if (voxel == nullptr || voxel->is_moving || impl_->moving.size() >= kMaxMoving) continue;
+    if (voxel == nullptr || voxel->is_moving) continue;
+    if (impl_->moving.size() >= kMaxMoving) {
+      ++impl_->num_moving_not_kept;
+      continue;
+    }
     voxel->is_moving = true;
     impl_->moving.push_back(index);
   }
@@ -83,8 +90,12 @@ void LocalMap::mark_moving_in(const geometry::Aabb& box) {
         if (block == nullptr || block->log_odds[offset] != once || block->new_voxels.find(offset) != nullptr) continue;
         const SurfaceLeaf* leaf = block->leaves.find(offset);
         if (leaf == nullptr || leaf->scans != 1) continue;
-        block->new_voxels.add(
-            {static_cast<std::uint16_t>(offset), forest.scale.prior, false, false, false, forest.scans, forest.scans});
+        const NewVoxel added{
+            static_cast<std::uint16_t>(offset), forest.scale.prior, false, false, false, forest.scans, forest.scans};
+        if (!block->new_voxels.add(added)) {
+          ++impl_->num_new_not_kept;
+          continue;
+        }
         mark_moving({v});
       }
     }

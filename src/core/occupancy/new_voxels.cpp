@@ -10,8 +10,9 @@ bool is_before(const NewVoxel& a, int offset) { return a.offset < offset; }
 
 }  // namespace
 
-void NewVoxels::add_hits(const HitVoxel* begin, const HitVoxel* end, const std::uint8_t* log_odds,
-                         const StateLevels& levels, std::uint32_t scan) {
+std::size_t NewVoxels::add_hits(const HitVoxel* begin, const HitVoxel* end, const std::uint8_t* log_odds,
+                                const StateLevels& levels, std::uint32_t scan) {
+  std::size_t num_left_out = 0;
   const std::size_t num_known = voxels_.size();
   std::size_t known = 0;
   for (const HitVoxel* hit = begin; hit != end; ++hit) {
@@ -19,13 +20,18 @@ void NewVoxels::add_hits(const HitVoxel* begin, const HitVoxel* end, const std::
     if (known < num_known && voxels_[known].offset == hit->offset) {
       voxels_[known].last_scan = scan;
       voxels_[known].is_seen_through = false;
-    } else if (log_odds[hit->offset] < levels.free_end() && voxels_.size() < kMax) {
-      voxels_.push_back({hit->offset, log_odds[hit->offset], false, false, false, scan, scan});
+    } else if (log_odds[hit->offset] < levels.free_end()) {
+      if (voxels_.size() < kMax) {
+        voxels_.push_back({hit->offset, log_odds[hit->offset], false, false, false, scan, scan});
+      } else {
+        ++num_left_out;
+      }
     }
   }
   const auto by_offset = [](const NewVoxel& a, const NewVoxel& b) { return a.offset < b.offset; };
   const auto added = voxels_.begin() + static_cast<std::ptrdiff_t>(num_known);
   if (added != voxels_.end()) std::inplace_merge(voxels_.begin(), added, voxels_.end(), by_offset);
+  return num_left_out;
 }
 
 void NewVoxels::end_scan(const VoxelBits& seen_through, std::uint32_t scan) {
@@ -46,9 +52,10 @@ NewVoxel* NewVoxels::find(int offset) {
   return at != voxels_.end() && at->offset == offset ? &*at : nullptr;
 }
 
-void NewVoxels::add(const NewVoxel& voxel) {
-  if (voxels_.size() >= kMax) return;
+bool NewVoxels::add(const NewVoxel& voxel) {
+  if (voxels_.size() >= kMax) return false;
   voxels_.insert(std::lower_bound(voxels_.begin(), voxels_.end(), voxel.offset, is_before), voxel);
+  return true;
 }
 
 void NewVoxels::erase(int offset) {

@@ -32,16 +32,16 @@ class NewVoxels {
 
   /// Records the hits of a scan: those of voxels that are free become new voxels.
   /// @param log_odds  levels of the block before the hits are counted
-  /// O(hits + new voxels).
-  void add_hits(const HitVoxel* begin, const HitVoxel* end, const std::uint8_t* log_odds, const StateLevels& levels,
-                std::uint32_t scan);
+  /// Returns how many hit voxels are one too many, and are left out. O(hits + new voxels).
+  std::size_t add_hits(const HitVoxel* begin, const HitVoxel* end, const std::uint8_t* log_odds,
+                       const StateLevels& levels, std::uint32_t scan);
   /// Records which voxels the scan saw through, and forgets those that are not new any more. O(new voxels).
   void end_scan(const VoxelBits& seen_through, std::uint32_t scan);
   NewVoxel* find(int offset);
   const NewVoxel* find(int offset) const;
   void erase(int offset);
-  /// Adds a voxel that is not among them; one too many is left out.
-  void add(const NewVoxel& voxel);
+  /// Adds a voxel that is not among them. Returns false for one too many, which is left out.
+  bool add(const NewVoxel& voxel);
   void clear() { voxels_.clear(); }
 
   bool empty() const { return voxels_.empty(); }

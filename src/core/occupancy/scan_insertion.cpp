@@ -207,6 +207,7 @@ void ScanInsertion::update_blocks(const ScanFrame& frame, float end_voxels, Octr
     statistics->cells_missed += update.missed;
     statistics->cells_freed += update.became_free;
     statistics->cells_occupied += update.became_occupied;
+    statistics->new_not_kept += update.new_not_kept;
   }
 }
 

@@ -41,7 +41,9 @@ def write_outputs(mapper: OfflineMapper, directory: str, title: str, safety_dist
         mapper.warnings.append("map.ot: add %s m to its coordinates to get those of the map" % (shift,))
     with mapper.stages.time("save"):
         mapper.collection.save(os.path.join(directory, "map"))
-    counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles))
+    counts = dict(mapper.counts, occupied_points=len(occupied), obstacle_voxels=len(obstacles),
+                  new_voxels_not_kept=mapper.map.num_new_not_kept,
+                  moving_voxels_not_kept=mapper.map.num_moving_not_kept)
     metrics: dict[str, Any] = {"stages": mapper.stages.summary(), "memory": mapper.memory,
                                "warnings": (mapper.left_out.lines() + mapper.warnings + mapper.gaps.notes)[:1000],
                                "counts": counts,
