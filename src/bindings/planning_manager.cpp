@@ -61,7 +61,9 @@ void bind_outcome(py::module_& m) {
       .def_readonly("is_to_goal", &PlanOutcome::is_to_goal)
       .def_readonly("corridor_radius_m", &PlanOutcome::corridor_radius_m)
       .def_readonly("left_m", &PlanOutcome::left_m)
-      .def_readonly("problem", &PlanOutcome::problem);
+      .def_readonly("problem", &PlanOutcome::problem)
+      .def_readonly("is_known_way", &PlanOutcome::is_known_way,
+                    "Whether the path is a way that was given, not one that was searched.");
 }
 
 PlanOutcome plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
@@ -71,6 +73,15 @@ PlanOutcome plan_job(const planning::PathPlanner& planner, const planning::Clear
   const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits)};
   py::gil_scoped_release release;
   return run_plan_job(planner, field, config, *view, task);
+}
+
+PlanOutcome way_job(const PlanningManagerConfig& config, const std::shared_ptr<OccupancyView>& view,
+                    const py::object& start_O, const py::object& goal_O, const LimitValues& limits,
+                    const py::array& way_O) {
+  const PlanTask task{vec3_of(start_O, "start_O"), vec3_of(goal_O, "goal_O"), limits_of(limits)};
+  const std::vector<geometry::Vec3> way = points_of(way_O, "way_O");
+  py::gil_scoped_release release;
+  return run_way_job(config, *view, task, way);
 }
 
 SafePart safe_part_of(const PlanningManagerConfig& config, const std::shared_ptr<OccupancyView>& view,
@@ -150,6 +161,10 @@ void bind_planning_manager(py::module_& m) {
       "Brings the field up to date with the view, searches a path on it, and cuts that to known free space and to the\n"
       "longest flight time. The field must not be used by others meanwhile. Releases the GIL.\n\n"
       "planner: PathPlanner; field: ClearanceField with a FlightSearchConfig.field_config().");
+  m.def("run_way_job", &way_job, py::arg("config"), py::arg("view").none(false), py::arg("start_O"), py::arg("goal_O"),
+        py::arg("limits"), py::arg("way_O"),
+        "Cuts a known way, (n, 3) float64 in O, as run_plan_job does, from its place that is nearest to the start on.\n"
+        "It ends at the goal. Raises ValueError for a way without places. Releases the GIL.");
 }
 
 }  // namespace voxnav::bindings

@@ -410,10 +410,11 @@ class HomeConfig:
     reserve_s: float
     detour_ratio: float
     battery_timeout_s: float
+    return_at_reserve: bool
     def __init__(
         self, *,
         full_flight_time_s: float = ..., reserve_s: float = ..., detour_ratio: float = ...,
-        battery_timeout_s: float = ...
+        battery_timeout_s: float = ..., return_at_reserve: bool = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> HomeConfig: ...
@@ -1033,6 +1034,8 @@ class OtherUavsConfig:
     topic: str
     step_s: float
     max_delay_s: float
+    max_transform_age_s: float
+    must_be_heard: bool
     body_radius_m: float
     position_error_m: float
     growth_mps: float
@@ -1046,9 +1049,10 @@ class OtherUavsConfig:
     def __init__(
         self, *,
         robot_names: Sequence[Any] = ..., topic: str = ..., step_s: float = ..., max_delay_s: float = ...,
-        body_radius_m: float = ..., position_error_m: float = ..., growth_mps: float = ...,
-        late_growth_mps: float = ..., silent_after_s: float = ..., silent_growth_mps: float = ...,
-        max_growth_m: float = ..., forget_after_s: float = ..., horizon_s: float = ..., near_horizon_s: float = ...
+        max_transform_age_s: float = ..., must_be_heard: bool = ..., body_radius_m: float = ...,
+        position_error_m: float = ..., growth_mps: float = ..., late_growth_mps: float = ...,
+        silent_after_s: float = ..., silent_growth_mps: float = ..., max_growth_m: float = ...,
+        forget_after_s: float = ..., horizon_s: float = ..., near_horizon_s: float = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> OtherUavsConfig: ...
@@ -1149,6 +1153,8 @@ class PlanOutcome:
     def left_m(self) -> float: ...
     @property
     def problem(self) -> str: ...
+    @property
+    def is_known_way(self) -> bool: ...
 
 class PlanResult:
     @property
@@ -1243,12 +1249,13 @@ class PlanningNodeConfig:
     hover_timeout_s: float
     generator_time_s: float
     keep_goal_over_restart: bool
+    validate_goals: bool
     def __init__(
         self, *,
         map_frame: str = ..., use_map_correction: bool = ..., required_nodes: Sequence[str] = ...,
         heartbeat_timeout_s: float = ..., main_rate_hz: float = ..., check_rate_hz: float = ...,
         status_rate_hz: float = ..., service_timeout_s: float = ..., hover_timeout_s: float = ...,
-        generator_time_s: float = ..., keep_goal_over_restart: bool = ...
+        generator_time_s: float = ..., keep_goal_over_restart: bool = ..., validate_goals: bool = ...
     ) -> None: ...
     @staticmethod
     def from_dict(values: Dict[Any, Any]) -> PlanningNodeConfig: ...
@@ -1728,6 +1735,8 @@ def quaternion_of(T_A_B: Array) -> Tuple[Any, ...]: ...
 def read_sweep(data: bytes, layout: CloudLayout, stamp_ns: int = ...) -> Sweep: ...
 
 def run_plan_job(planner: PathPlanner, field: ClearanceField, config: PlanningManagerConfig, view: Any, start_O: Any, goal_O: Any, limits: Sequence[float]) -> PlanOutcome: ...
+
+def run_way_job(config: PlanningManagerConfig, view: OccupancyView, start_O: Any, goal_O: Any, limits: Sequence[float], way_O: Array) -> PlanOutcome: ...
 
 def safe_part(config: PlanningManagerConfig, view: OccupancyView, trajectory: Trajectory, from_arc_m: float, radius_m: float, velocity_O: Any, limits: Sequence[float], now_s: Optional[float] = ...) -> SafePart: ...
 

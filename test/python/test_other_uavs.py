@@ -7,7 +7,8 @@ import pytest
 import voxnav
 from fake_flight import RESOLUTION, FakeFlight
 from test_planning_manager import reached, world
-from voxnav.other_uavs import Announced, AnnouncementError, Keeper, begin_of, has_right_of_way
+from voxnav.other_uavs import (Announced, AnnouncementError, Keeper, KeptTransform, OriginUnknown, begin_of,
+                               has_right_of_way)
 from voxnav.planning_manager import Reason
 
 UTM = np.array([446363.0, 5468016.5, 0.0])
@@ -82,6 +83,41 @@ def test_who_rests_does_not_give_way():
     kept.take(announced("uav3", 3))
     rests, moves = kept.others(10.1, T_O_UTM)
     assert (rests.horizon_s, moves.horizon_s) == (8.0, 2.0) and rests.gives_way and moves.gives_way
+
+
+# The transform from UTM
+
+
+def test_a_transform_that_tf_lost_holds_for_a_while():
+    kept = KeptTransform(10.0)
+    with pytest.raises(OriginUnknown, match="no transform yet"):
+        kept.at(5.0)
+    kept.take(T_O_UTM, 5.0)
+    assert kept.at(5.0) is T_O_UTM and kept.at(14.9) is T_O_UTM
+    with pytest.raises(OriginUnknown, match="nobody has told its transform for more than 10.0 s"):
+        kept.at(15.1)
+    kept.take(T_O_UTM, 15.0)
+    assert kept.at(15.1) is T_O_UTM
+    with pytest.raises(OriginUnknown):
+        kept.at(1.0)  # the clock jumped back: the stamp tells nothing
+
+
+def test_a_static_transform_holds_for_ever():
+    kept = KeptTransform(10.0)
+    kept.take(T_O_UTM, None)
+    assert kept.at(1e6) is T_O_UTM
+
+
+def test_after_a_jump_of_the_odometry_only_a_newer_transform_holds():
+    kept = KeptTransform(10.0)
+    kept.take(T_O_UTM, 5.0)
+    kept.forget(jump_s=6.0)
+    kept.take(T_O_UTM, 5.9)
+    with pytest.raises(OriginUnknown, match="no transform since the odometry jumped"):
+        kept.at(6.0)
+    moved = T_O_UTM + 1.0
+    kept.take(moved, 6.0)
+    assert kept.at(6.0) is moved
 
 
 # Two planners

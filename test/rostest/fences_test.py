@@ -89,10 +89,19 @@ class FencesTest(unittest.TestCase):
         self.assertFalse(self.recorder.status.has_goal)
         self.charge = 1.0
 
+    def check_the_area_of_the_control_manager(self):
+        """A goal in an area that voxnav does not know of is dropped as soon as the control manager has refused it."""
+        self.wait(lambda: self.goal((35.0, 11.0, 2.0)).success, "a goal, once the battery is known as charged")
+        words = "the control manager refuses the goal: the point is outside of the safety area"
+        self.wait(lambda: self.recorder.status.refusal == words, "the refusal of the control manager")
+        self.wait(lambda: self.recorder.status.reason == "goal dropped: " + words, "the goal to be dropped")
+        self.assertLess(np.linalg.norm(self.place()[:2]), 3.0)
+
     def test_flies_within_its_fences_and_returns_home(self):
         self.recorder.wait_for_nodes(LIMIT_S)
         self.recorder.take_off(LIMIT_S)
         self.check_refusals()
+        self.check_the_area_of_the_control_manager()
         goal = mission.goal_of(mission.simulated_world(WORLD, SEED))
         self.wait(lambda: self.goal(goal).success, "the battery to be known as charged")
         self.recorder.send_goal(FRAME, goal)

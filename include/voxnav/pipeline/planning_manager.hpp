@@ -96,6 +96,7 @@ struct PlanOutcome {
   double corridor_radius_m = 0.0;  ///< known free around the waypoints
   double left_m = 0.0;             ///< way from the last waypoint to the goal, as planned
   std::string problem;             ///< why there are no waypoints, for a person
+  bool is_known_way = false;       ///< the path is a way that was given, not one that was searched
 };
 
 /// What is to be planned.
@@ -111,6 +112,12 @@ struct PlanTask {
 PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
                          const PlanningManagerConfig& config, const planning::OccupancyView& view,
                          const PlanTask& task);
+
+/// Cuts a given way in the same manner, from its place that is nearest to the start on. It ends at the goal.
+/// @param way_O  at least one place
+/// @throws std::invalid_argument for a way without places
+PlanOutcome run_way_job(const PlanningManagerConfig& config, const planning::OccupancyView& view, const PlanTask& task,
+                        const std::vector<geometry::Vec3>& way_O);
 
 /// A trajectory from where the vehicle is, and what has to be known to stop on it.
 struct FlownTrajectory {

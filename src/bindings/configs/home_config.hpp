@@ -11,6 +11,7 @@ struct HomeConfig {
   double reserve_s = 60.0;
   double detour_ratio = 1.3;
   double battery_timeout_s = 10.0;
+  bool return_at_reserve = false;
 
   template <class V>
   static void fields(V&& v) {
@@ -24,6 +25,10 @@ struct HomeConfig {
     v("detour_ratio", &C::detour_ratio, in(1, 10), "",
       "ways are this much longer than the straight line, as estimated");
     v("battery_timeout_s", &C::battery_timeout_s, in(0.5, 600), "s", "an older state of the battery is not known");
+    v("return_at_reserve", &C::return_at_reserve, base::any(), "",
+      "when the battery no longer holds for more than the way home and the reserve, the start becomes the goal, once "
+      "in "
+      "a flight; false: that is only told");
   }
 };
 

@@ -14,6 +14,8 @@ struct OtherUavsConfig {
   std::string topic = "control_manager/mpc_tracker/predicted_trajectory";
   double step_s = 0.2;
   double max_delay_s = 0.5;
+  double max_transform_age_s = 10.0;
+  bool must_be_heard = false;
   double body_radius_m = 0.5;
   double position_error_m = 1.5;
   double growth_mps = 0.2;
@@ -36,6 +38,11 @@ struct OtherUavsConfig {
     v("max_delay_s", &C::max_delay_s, in(0.0, 5.0), "s",
       "messages are not older than this; a stamp that tells otherwise is of another clock, and the time of arrival "
       "counts");
+    v("max_transform_age_s", &C::max_transform_age_s, in(0.1, 3600.0), "s",
+      "the transform from UTM holds for this long after tf told it last; then it is not known where they are. Static "
+      "transforms hold for ever");
+    v("must_be_heard", &C::must_be_heard, base::any(), "",
+      "nothing is flown until each of them was heard; false: that is only told");
     v("body_radius_m", &C::body_radius_m, in(0.05, 10.0), "m", "the body of a UAV is this near to its position");
     v("position_error_m", &C::position_error_m, in(0.0, 20.0), "m",
       "greatest error of another position relative to that of this vehicle: of both estimators");

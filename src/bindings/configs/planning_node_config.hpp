@@ -21,6 +21,7 @@ struct PlanningNodeConfig {
   double hover_timeout_s = 0.5;
   double generator_time_s = 0.3;
   bool keep_goal_over_restart = true;
+  bool validate_goals = true;
 
   template <class V>
   static void fields(V&& v) {
@@ -42,6 +43,8 @@ struct PlanningNodeConfig {
     v("generator_time_s", &C::generator_time_s, in(0.01, 10), "s", "solver time requested of the trajectory generator");
     v("keep_goal_over_restart", &C::keep_goal_over_restart, base::any(), "",
       "a restarted node takes up the goal that it was flying to");
+    v("validate_goals", &C::validate_goals, base::any(), "",
+      "each new goal is shown to validate_reference of the control manager, and dropped if that refuses it");
   }
 };
 

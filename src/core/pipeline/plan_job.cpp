@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 
 #include "planning/flight_time.hpp"
 #include "voxnav/pipeline/planning_manager.hpp"
@@ -21,6 +22,8 @@ constexpr int kBisections = 10;
 /// A path that ends within this share of the goal's tolerance of a blocked goal counts as reaching it; the rest of the
 /// tolerance is left for tracking.
 constexpr double kSubstituteShare = 0.75;
+/// Ends of a known way this near to the start and the goal are moved there, instead of being flown through.
+constexpr double kSamePlace_m = 0.1;
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0, double d = 0.0) {
   char buffer[160];
@@ -91,17 +94,10 @@ std::string too_short(const SafeLength& safe) {
          text(" at (%.1f, %.1f, %.1f)", p.x(), p.y(), p.z());
 }
 
-}  // namespace
-
-PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
-                         const PlanningManagerConfig& config, const planning::OccupancyView& view,
-                         const PlanTask& task) {
-  PlanOutcome out;
-  out.plan = planner.plan(field, task.start_O, task.goal_O);
-  if (out.plan.path.empty()) {
-    out.problem = explain(out.plan.status);
-    return out;
-  }
+/// Cuts the path of the plan to what may be flown of it.
+void cut_path(const PlanningManagerConfig& config, const planning::OccupancyView& view, const PlanTask& task,
+              PlanOutcome* outcome) {
+  PlanOutcome& out = *outcome;
   const std::vector<Vec3> line = exact_line(out.plan, task.start_O, task.goal_O);
   const SafeLength safe = safe_length(config, view, line);
   const double whole_m = planning::length_of(line);
@@ -119,6 +115,54 @@ PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::C
   } else {
     out.problem = too_short(safe);
   }
+}
+
+/// Returns the rest of a line from its point that is nearest to a place on, which is the first of several.
+std::vector<Vec3> rest_from(const std::vector<Vec3>& line, const Vec3& place) {
+  std::vector<Vec3> out = {line.front()};
+  double nearest_m = (line.front() - place).norm();
+  std::size_t next = 1;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Vec3 along = line[i] - line[i - 1];
+    const double share = along.dot(place - line[i - 1]) / std::max(along.squaredNorm(), 1e-12);
+    const Vec3 point = line[i - 1] + std::clamp(share, 0.0, 1.0) * along;
+    if ((point - place).norm() >= nearest_m) continue;
+    nearest_m = (point - place).norm();
+    out.front() = point;
+    next = i;
+  }
+  out.insert(out.end(), line.begin() + static_cast<std::ptrdiff_t>(next), line.end());
+  return out;
+}
+
+}  // namespace
+
+PlanOutcome run_plan_job(const planning::PathPlanner& planner, const planning::ClearanceField& field,
+                         const PlanningManagerConfig& config, const planning::OccupancyView& view,
+                         const PlanTask& task) {
+  PlanOutcome out;
+  out.plan = planner.plan(field, task.start_O, task.goal_O);
+  if (out.plan.path.empty()) {
+    out.problem = explain(out.plan.status);
+  } else {
+    cut_path(config, view, task, &out);
+  }
+  return out;
+}
+
+PlanOutcome run_way_job(const PlanningManagerConfig& config, const planning::OccupancyView& view, const PlanTask& task,
+                        const std::vector<Vec3>& way_O) {
+  if (way_O.empty()) throw std::invalid_argument("a way needs places");
+  PlanOutcome out;
+  out.is_known_way = true;
+  out.plan.status = planning::PlanStatus::kComplete;
+  out.plan.path = rest_from(way_O, task.start_O);
+  if ((out.plan.path.front() - task.start_O).norm() > kSamePlace_m) {
+    out.plan.path.insert(out.plan.path.begin(), task.start_O);
+  }
+  if ((out.plan.path.back() - task.goal_O).norm() > kSamePlace_m) out.plan.path.push_back(task.goal_O);
+  out.plan.length_m = planning::length_of(out.plan.path);
+  cut_path(config, view, task, &out);
   return out;
 }
 

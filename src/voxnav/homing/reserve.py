@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Refuses goals from which the vehicle would not come back on its battery."""
+"""Refuses goals from which the vehicle would not come back on its battery, and tells when it is time to return."""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
 from typing import Any, Optional
 
@@ -63,9 +64,9 @@ def beyond_reserve(trip: Trip, battery: Optional[Battery], config: Any, now_s: f
         return None
     if trip.home.start_W is not None and np.linalg.norm(trip.goal_W - trip.home.start_W) < AT_HOME_M:
         return None
-    if battery is None or battery.charge is None or now_s - battery.stamp_s > config.battery_timeout_s:
-        what = "not measured" if battery is not None and battery.charge is None else "not known"
-        return Because(Reason.GOAL_BEYOND_RESERVE, "the charge of the battery is %s" % what)
+    unknown = _unknown_charge(battery, config, now_s)
+    if unknown or battery is None or battery.charge is None:
+        return Because(Reason.GOAL_BEYOND_RESERVE, ", ".join(unknown))
     there_s, back_s = trip.times_s(config.detour_ratio)
     holds_s = battery.charge * config.full_flight_time_s
     if there_s + back_s + config.reserve_s <= holds_s:
@@ -74,18 +75,45 @@ def beyond_reserve(trip: Trip, battery: Optional[Battery], config: Any, now_s: f
                    "of which %.0f s are reserve" % (there_s, back_s, holds_s, config.reserve_s))
 
 
-def reserve_warning(home: HomeState, battery: Optional[Battery], config: Any, now_s: float) -> str:
-    """Tells in flight that the battery no longer holds for the way home and the reserve; "" if it does.
+class Watch(enum.Enum):
+    """What the battery and the way home tell in flight."""
 
-    It tells nothing where no reserve is configured, or the way home or the charge is not known.
+    SILENT = 0  # nothing is configured, or nothing flies
+    HOLDS = 1
+    UNKNOWN = 2
+    REACHED = 3
+
+
+@dataclass(frozen=True)
+class ReserveWatch:
+    """The state of the reserve, and a sentence for people, which is empty as long as all is well."""
+
+    watch: Watch
+    sentence: str = ""
+
+
+def watch_reserve(home: HomeState, battery: Optional[Battery], config: Any, now_s: float) -> ReserveWatch:
+    """Tells in flight whether the battery still holds for the way home and the reserve, and what is not known of it.
+
     config: voxnav.HomeConfig
     """
-    if config.full_flight_time_s <= 0.0 or home.way_s is None:
-        return ""
-    if battery is None or battery.charge is None or now_s - battery.stamp_s > config.battery_timeout_s:
-        return ""
+    if config.full_flight_time_s <= 0.0 or home.start_W is None:
+        return ReserveWatch(Watch.SILENT)
+    unknown = [] if home.way_s is not None else ["the way home is not known"]
+    unknown += _unknown_charge(battery, config, now_s)
+    if unknown or battery is None or battery.charge is None or home.way_s is None:
+        return ReserveWatch(Watch.UNKNOWN, "nobody tells when to return: " + ", and ".join(unknown))
     holds_s = battery.charge * config.full_flight_time_s
     if home.way_s + config.reserve_s <= holds_s:
-        return ""
-    return "the way home needs %.0f s, and the battery holds %.0f s, of which %.0f s are reserve: return now" % (
-        home.way_s, holds_s, config.reserve_s)
+        return ReserveWatch(Watch.HOLDS)
+    return ReserveWatch(Watch.REACHED, "the way home needs %.0f s, and the battery holds %.0f s, of which %.0f s are "
+                        "reserve: return now" % (home.way_s, holds_s, config.reserve_s))
+
+
+def _unknown_charge(battery: Optional[Battery], config: Any, now_s: float) -> list[str]:
+    """Tells why the charge of the battery is not known, in one phrase; none if it is known."""
+    if battery is not None and battery.charge is None:
+        return ["the charge of the battery is not measured"]
+    if battery is None or now_s - battery.stamp_s > config.battery_timeout_s:
+        return ["the charge of the battery is not known"]
+    return []

@@ -99,18 +99,22 @@ class PlanningFences:
 
     def T_O(self, frame):
         """Returns T_O_F of a frame, whose short name belongs to this UAV. Raises FenceError."""
+        return self.timed_T_O(frame)[0]
+
+    def timed_T_O(self, frame):
+        """Returns T_O_F as T_O(), and when tf told it [s]; None if it holds at all times. Raises FenceError."""
         inputs = self._inputs
         names = [frame] if "/" in frame or not self._uav_name else [frame, self._uav_name + "/" + frame]
         if not inputs.odometry_frame:
             raise FenceError("no odometry yet")
         if inputs.odometry_frame in names:
-            return np.eye(4)
+            return np.eye(4), None
         if inputs.map_frame in names:
             if inputs.T_W_O is None:
                 raise FenceError("no map correction yet")
-            return np.linalg.inv(inputs.T_W_O)
+            return np.linalg.inv(inputs.T_W_O), None
         try:
-            return inputs.T_O_of(frame, names)
+            return inputs.timed_T_O_of(frame, names)
         except LookupError as error:
             raise FenceError(str(error))
 

@@ -62,6 +62,8 @@ class PlanningInputs:
         self.position_O = self.heading_O_rad = self.limits = None
         self.num_bad = 0
         self._iteration = None
+        # Is told the poses of all submaps by their ids, T_W_O and its frame O with each solution of the graph.
+        self.on_graph = lambda T_W_S, T_W_O, frame: None
         self._tracker_buffer = None
         self.tf_buffer = tf2_ros.Buffer(rospy.Duration(10.0))
         self._tf_listener = tf2_ros.TransformListener(self.tf_buffer)
@@ -185,18 +187,22 @@ class PlanningInputs:
             self.map_frame = msg.header.frame_id
         try:
             T_W_O = matrix(msg.T_W_O.position, msg.T_W_O.orientation)
+            T_W_S = {number: matrix(pose.position, pose.orientation)
+                     for number, pose in zip(msg.submap_ids, msg.T_W_S)}
         except ValueError as error:
             self._refuse_correction(error)
             return
         is_closed = self._closed_at is not None and msg.closed_at > self._closed_at
         self._closed_at = msg.closed_at
         closed = msg.closed_because if is_closed else ""
-        self._seam.deliver(msg.header.stamp.to_sec(), self._take_optimised, T_W_O, msg.odometry_frame, closed)
+        self._seam.deliver(msg.header.stamp.to_sec(), self._take_optimised, T_W_S, T_W_O, msg.odometry_frame,
+                           closed)
 
-    def _take_optimised(self, T_W_O, frame, closed):
+    def _take_optimised(self, T_W_S, T_W_O, frame, closed):
         if closed:
             self._map.clear_obstacles()
             self._on_closed(closed)
+        self.on_graph(T_W_S, T_W_O, frame)
         self._optimised = (T_W_O, frame)
 
     def _update_correction(self, now_s):
@@ -248,6 +254,10 @@ class PlanningInputs:
 
     def T_O_of(self, frame, names):
         """Returns T_O_F (4, 4) of a frame by tf, which may have any of the names. Raises LookupError as tf says."""
+        return self.timed_T_O_of(frame, names)[0]
+
+    def timed_T_O_of(self, frame, names):
+        """Returns T_O_F as T_O_of(), and the stamp in seconds at which tf told it; None for a static transform."""
         told = "it has no name"
         for name in names:
             try:
@@ -255,7 +265,9 @@ class PlanningInputs:
             except tf2_ros.TransformException as error:
                 told = str(error).strip()
                 continue
-            return matrix(found.transform.translation, found.transform.rotation)
+            stamp = found.header.stamp
+            T_O_F = matrix(found.transform.translation, found.transform.rotation)
+            return T_O_F, None if stamp.is_zero() else stamp.to_sec()
         raise LookupError("no transform from frame '%s' to %s: %s" % (frame, self.odometry_frame or "odometry", told))
 
     @property

@@ -10,7 +10,9 @@ import rospy
 from mrs_msgs.srv import TransformReferenceSrv
 
 import voxnav
+from voxnav.homing import or_way_home, way_in_O
 from voxnav.msg import NodeDiagnostics
+from voxnav.nodes.kept_goal import KeptGoal
 from voxnav.nodes.node_base import Diagnostics, run_node
 from voxnav.nodes.params import load_sections
 from voxnav.nodes.path_service import PathService
@@ -23,13 +25,12 @@ from voxnav.nodes.planning_others import PlanningOthers
 from voxnav.nodes.planning_output import PlanningOutput
 from voxnav.nodes.planning_services import ControlServices, TimedService
 from voxnav.nodes.planning_settings import PlanningSettings
+from voxnav.nodes.planning_validation import GoalValidation
 from voxnav.nodes.time_seam import WorkTimes, seam_for
 from voxnav.nodes.virtual_obstacles import VirtualObstacles
 from voxnav.planning_manager import Generate, Hover, Level, Plan, PlanningManager, Publish, Reason
 
 NAME = "planning_manager"
-# A goal kept on the parameter server is forgotten after this time.
-KEPT_GOAL_AGE_S = 600.0
 
 
 class PlanningManagerNode:
@@ -40,7 +41,7 @@ class PlanningManagerNode:
             heading=voxnav.HeadingConfig, others=voxnav.OtherUavsConfig,
             work=voxnav.WorkTimeConfig, time=voxnav.TimeConfig)
         self._seam = seam_for(time_config, NAME)
-        self._config, self._manager_config = node, manager
+        self._manager_config = manager
         self._map = voxnav.NavigationMap(limits)
         self._manager = PlanningManager(manager, (limits.min_altitude_m, limits.max_altitude_m), self._map.view)
         self._lock = threading.RLock()  # protects the manager
@@ -49,7 +50,7 @@ class PlanningManagerNode:
         self._doers = {Plan: self._do_plan, Generate: self._do_generate, Publish: self._do_publish,
                        Hover: self._do_hover}
         self._waypoints, self._last_now, self._told = np.zeros((0, 3)), 0.0, None
-        self._kept_name = rospy.get_namespace() + NAME + "_kept_goal"
+        self._kept = KeptGoal(NAME, node.keep_goal_over_restart)
         self._diagnostics = Diagnostics(NAME)
         self._output = PlanningOutput()
         self._services = ControlServices(node, manager.trajectory_deviation_m, Headings(heading), self._seam)
@@ -62,9 +63,11 @@ class PlanningManagerNode:
         self._fences = PlanningFences(fences, self._inputs, uav_name, self._set_fences, self._seam)
         self._others = PlanningOthers(others, self._inputs, uav_name, self._fences, self._set_others, self._seam)
         self._virtual_obstacles = VirtualObstacles(self._fences, self._inputs)
-        self._home = PlanningHome(home, manager, lambda: self._manager.inputs, self._map.view, self._set_goal,
-                                  self._seam)
+        self._validation = GoalValidation(node, self._inputs, lambda: self._manager.inputs.fencing, self._refuse_goal,
+                                          self._seam)
+        self._home = PlanningHome(home, manager, self._manager, self._map.view, self._set_goal, self._seam)
         self._manager.judge = self._home.judge
+        self._inputs.on_graph = self._home.correct_map
         self._paths = PathService(self._settings, self._map.view, self._goals.to_map,
                                   lambda: (self._inputs.T_W_O, self._inputs.odometry_frame))
         self._resume_kept_goal()
@@ -95,6 +98,7 @@ class PlanningManagerNode:
             self._inputs.update(now.to_sec())
             self._fences.update()
             self._home.update(now.to_sec())
+            self._validation.update()
             with self._lock:
                 actions = self._manager.tick(now.to_sec())
             self._dispatch(actions)
@@ -116,7 +120,7 @@ class PlanningManagerNode:
         waypoints = self._waypoints if status.goal_W is not None else path[:0]
         self._output.publish(self._seam.now(), status, self._home.state, self._home.way_W, inputs, path,
                              waypoints, position_W)
-        self._keep_goal(status.goal_W)
+        self._kept.keep(status.goal_W)
         self._report(status)
 
     def _tell_if_idle(self, status):
@@ -130,11 +134,14 @@ class PlanningManagerNode:
     def _report(self, status):
         self._tell_if_idle(status)
         is_kept_from_flying = status.because.reason.level is Level.WARN
-        problem = status.reason if is_kept_from_flying else self._home.warning
+        told = [status.reason if is_kept_from_flying else "", self._home.warning, self._others.warning,
+                self._validation.problem]
+        problem = "; ".join(text for text in told if text)
         self._diagnostics.set_level(NodeDiagnostics.WARN if problem else NodeDiagnostics.OK, problem)
         for name in ("num_plans", "num_trajectories", "num_shortened", "num_hovers", "expansions"):
             self._diagnostics.set_counter(name, getattr(status, name))
         self._diagnostics.set_counter("num_bad_inputs", self._inputs.num_bad)
+        self._diagnostics.set_counter("num_goals_refused", self._validation.num_refused)
         for name, value in self._others.counters().items():
             self._diagnostics.set_counter(name, value)
         self._diagnostics.set_counter("num_snapshots", self._inputs.local.num_snapshots)
@@ -146,7 +153,13 @@ class PlanningManagerNode:
             problem = self._manager.set_goal(goal_W, heading_W, self._seam.now().to_sec())
         if not problem:
             rospy.loginfo("[%s]: goal (%.1f, %.1f, %.1f)", NAME, *goal_W)
+            self._validation.set_goal(goal_W, heading_W)
         return problem
+
+    def _refuse_goal(self, goal_W, because):
+        with self._lock:
+            actions = self._manager.refuse_goal(goal_W, because, self._seam.now().to_sec())
+        self._dispatch(actions)
 
     def _set_fences(self, placed, problem):
         self._map.set_fences(None if placed is None else placed.fences)
@@ -173,12 +186,14 @@ class PlanningManagerNode:
 
     def _on_jump(self, reason):
         rospy.logwarn("[%s]: %s", NAME, reason)
+        self._others.odometry_jumped()
         with self._lock:
             actions = self._manager.frame_jumped(reason, self._seam.now().to_sec())
         self._dispatch(actions)
 
     def _on_closed(self, reason):
         rospy.logerr("[%s]: the map was closed: %s", NAME, reason)
+        self._home.lose_map(reason)
         with self._lock:
             actions = self._manager.map_closed(reason, self._seam.now().to_sec())
         self._dispatch(actions)
@@ -231,6 +246,9 @@ class PlanningManagerNode:
             search.field.update(view)
         outcome = voxnav.run_plan_job(search.planner, search.field, self._manager_config, view, action.start_O,
                                       action.goal_O, limits)
+        outcome = or_way_home(outcome, way_in_O(self._home.way_W, action.goal_O, self._inputs.T_W_O), lambda way_O:
+                              voxnav.run_way_job(self._manager_config, view, action.start_O, action.goal_O, limits,
+                                                 way_O))
         self._waypoints = outcome.waypoints_O
         return lambda now: self._manager.plan_done(action.job, outcome, now)
 
@@ -249,25 +267,11 @@ class PlanningManagerNode:
             rospy.logerr("[%s]: %s fails: %s", NAME, action.means.value, problem)
         return lambda now: self._manager.hover_done(problem, now)
 
-    # The goal is stored on the parameter server, so that a restarted node continues the flight
-
-    def _keep_goal(self, goal_W):
-        kept = None if goal_W is None else [float(x) for x in goal_W]
-        if not self._config.keep_goal_over_restart or kept == self._kept:
-            return
-        self._kept = kept
-        stamp_s = rospy.Time.now().to_sec()
-        rospy.set_param(self._kept_name, {"goal_W": kept, "stamp_s": stamp_s} if kept else {"stamp_s": stamp_s})
-
     def _resume_kept_goal(self):
-        self._kept = None
-        kept = rospy.get_param(self._kept_name, {})
-        now_s = rospy.Time.now().to_sec()
-        if not self._config.keep_goal_over_restart or "goal_W" not in kept:
-            return
-        if 0.0 <= now_s - kept["stamp_s"] < KEPT_GOAL_AGE_S or now_s == 0.0:
+        goal_W = self._kept.find()
+        if goal_W is not None:
             rospy.logwarn("[%s]: takes up the goal it was flying to", NAME)
-            self._set_goal(np.array(kept["goal_W"]), None)
+            self._set_goal(goal_W, None)
 
 
 def main():

@@ -15,7 +15,7 @@ from voxnav.fences import FenceError
 from voxnav.msg import OtherUav, OtherUavs
 from voxnav.nodes.planning_output import marker, points_of
 from voxnav.nodes.time_seam import exact_time
-from voxnav.other_uavs import Announced, AnnouncementError, Keeper, begin_of
+from voxnav.other_uavs import Announced, AnnouncementError, Keeper, KeptTransform, OriginUnknown, begin_of
 
 UTM, WORLD = "utm_origin", "world_origin"
 YIELDING_COLOUR, LEADING_COLOUR, SILENT_COLOUR = (0.3, 0.9, 0.9, 0.8), (1.0, 0.3, 0.9, 0.9), (1.0, 0.5, 0.1, 0.9)
@@ -42,8 +42,8 @@ class PlanningOthers:
         self._set_others, self._seam = set_others, seam
         self._keeper = Keeper(config, uav_name, names_of(config))
         self._lock = threading.Lock()  # messages come in threads of their own
-        self._T_O_utm, self._frame = None, ""
-        self._silent, self._problem = [], ""
+        self._utm, self._frame = KeptTransform(config.max_transform_age_s), ""
+        self._silent, self._unheard, self._problem = [], [], ""
         self._counts = {"num_others_refused": 0, "num_others_other_clock": 0, "num_others_forgotten": 0}
         if not self._keeper.names:
             return
@@ -61,6 +61,18 @@ class PlanningOthers:
         with self._lock:
             return dict(self._counts, num_others_silent=len(self._silent),
                         num_others_unheard=len(self._keeper.never_heard))
+
+    @property
+    def warning(self):
+        """Names the UAVs that were configured and never heard; '' if there are none."""
+        with self._lock:
+            names = ", ".join(self._unheard)
+        return "other UAVs that were never heard, and count as absent: " + names if names else ""
+
+    def odometry_jumped(self):
+        """Takes note that the odometry frame was moved, so that what tf told of it before is not so any more."""
+        with self._lock:
+            self._utm.forget(self._seam.now().to_sec())
 
     def _on_trajectory(self, name, msg):
         now_s = self._seam.now().to_sec()
@@ -86,6 +98,7 @@ class PlanningOthers:
         now = self._seam.now()
         with self._lock:
             self._tell_silent(now.to_sec())
+            self._tell_unheard()
             problem, others = self._place(now.to_sec())
         if problem and problem != self._problem:
             rospy.logerr("other UAVs: %s", problem)
@@ -104,31 +117,49 @@ class PlanningOthers:
                           self._config.forget_after_s)
         self._silent = silent
 
+    def _tell_unheard(self):
+        unheard = self._keeper.never_heard
+        for name in set(self._unheard) - set(unheard):
+            rospy.loginfo("other UAVs: %s is heard", name)
+        if set(unheard) - set(self._unheard):
+            rospy.logwarn("other UAVs: not heard yet: %s", ", ".join(unheard))
+        self._unheard = unheard
+
     def _place(self, now_s):
         """Returns (why the others cannot be placed or '', list of voxnav.other_uavs.Other)."""
+        if self._config.must_be_heard and self._unheard:
+            return "not heard yet: %s (others/must_be_heard)" % ", ".join(self._unheard), []
         if self._keeper.is_empty:
             return "", []
         if self._inputs.odometry_frame != self._frame:
-            self._frame, self._T_O_utm = self._inputs.odometry_frame, None
+            self._frame = self._inputs.odometry_frame
+            self._utm.forget()
+        told = ""
         try:
-            self._T_O_utm = self._find_utm()
+            self._utm.take(*self._find_utm())
         except FenceError as error:
-            if self._T_O_utm is None:
-                return "where other UAVs are is not known: %s" % error, []
-            rospy.logwarn_throttle(10.0, "other UAVs: %s; the last transform holds", error)
-        return "", self._keeper.others(now_s, self._T_O_utm)
+            told = str(error)
+        try:
+            T_O_utm = self._utm.at(now_s)
+        except OriginUnknown as error:
+            return "where other UAVs are is not known: %s" % (told or error), []
+        if told:
+            rospy.logwarn_throttle(10.0, "other UAVs: %s; the last transform holds for %.1f s", told,
+                                   self._config.max_transform_age_s)
+        return "", self._keeper.others(now_s, T_O_utm)
 
     def _find_utm(self):
-        """Returns T_O_utm, by tf or by the origin of the world configuration. Raises FenceError."""
+        """Returns T_O_utm, by tf or by the origin of the world configuration, and its stamp. Raises FenceError."""
         try:
-            return self._fences.T_O(UTM)
+            return self._fences.timed_T_O(UTM)
         except FenceError:
             origin = self._fences.world_origin
             if origin is None:
                 raise
             T_world_utm = np.eye(4)
             T_world_utm[:2, 3] = (-origin.east_m, -origin.north_m)
-            return self._fences.T_O(WORLD).dot(T_world_utm)
+            T_O_world, stamp_s = self._fences.timed_T_O(WORLD)
+            return T_O_world.dot(T_world_utm), stamp_s
 
     def _passed(self, other, now_s):
         config = self._config

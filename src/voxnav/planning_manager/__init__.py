@@ -26,6 +26,7 @@ Idle       tick: a trajectory is flown that the     Idle                      Ho
 Idle       check: somebody else flies where it is   Idle, with a warning                              check_others
            not known free
 any        the map of the goal was closed           Idle, goal dropped        Hover if in motion      close_map
+any        the control manager refuses the goal     Idle, goal dropped        Hover if in motion      drop
 P, M       the odometry frame jumped, in motion     Planning                  Hover                   jump_frame
 P, M       the odometry frame jumped, at rest       as it was, job dropped                            jump_frame
 P, M       tick: at rest at the goal                Idle, goal reached                                arrival

@@ -57,6 +57,8 @@ def _leads(outcome: PlanOutcome, cut_m: float, is_cut: bool) -> Leads:
 
 def _moving_because(outcome: PlanOutcome, leads: Leads) -> Because:
     sentence = "moving to the goal" if leads.is_to_goal else "moving towards the goal"
+    if outcome.is_known_way:
+        return Because(Reason.MOVING, sentence + " along the known way home: the search has found no other")
     doubt = "" if outcome.status == PlanStatus.COMPLETE else ": " + explain(outcome.status)
     return Because(MEANINGS[outcome.status].reason, sentence + doubt)
 

@@ -128,6 +128,14 @@ class PlanningManager:
         self._take(stopping.accept_goal(self._state, Goal(position, heading_rad), self._facts(now_s)))
         return ""
 
+    def refuse_goal(self, goal_W: Array, because: Because, now_s: float) -> List[Action]:
+        """Drops a goal that others refuse, unless there is another one by now."""
+        goal = self._state.goal
+        if goal is None or not np.array_equal(goal.position_W, goal_W):
+            return []
+        self._status.refusal = because
+        return self._take(stopping.drop(self._state, because.with_prefix("goal dropped: "), self._facts(now_s)))
+
     def stop(self, sentence: str, now_s: float) -> List[Action]:
         """Drops the goal and hovers."""
         return self._take(stopping.stop(self._state, Because(Reason.STOPPED, sentence), self._facts(now_s)))

@@ -29,6 +29,7 @@ class Reason(enum.Enum):
     GOAL_IN_ZONE = "goal in a no-fly zone"
     GOAL_FENCED = "goal fenced off"
     GOAL_BEYOND_RESERVE = "goal beyond the battery's reserve"
+    GOAL_REFUSED = "goal refused by the control manager"
     STUCK = "stuck"
     TAKEN_OVER = "taken over"
     SAFETY_AREA = "outside the safety area"
@@ -74,9 +75,9 @@ class Reason(enum.Enum):
 _USUAL = frozenset((
     Reason.NO_GOAL, Reason.NEW_GOAL, Reason.RESUMED, Reason.STOPPED, Reason.REACHED, Reason.GOAL_BLOCKED,
     Reason.GOAL_ENCLOSED, Reason.GOAL_UNSEEN, Reason.GOAL_BELOW_GROUND, Reason.GOAL_OUTSIDE_MAP,
-    Reason.GOAL_OUTSIDE_AREA, Reason.GOAL_IN_ZONE, Reason.GOAL_FENCED, Reason.GOAL_BEYOND_RESERVE, Reason.MOVING,
-    Reason.SEARCH_ENDED, Reason.NO_WAY, Reason.PLAN_FAILED, Reason.GENERATOR_FAILED, Reason.TRAJECTORY_REFUSED,
-    Reason.NO_ANSWER, Reason.SHORTENED))
+    Reason.GOAL_OUTSIDE_AREA, Reason.GOAL_IN_ZONE, Reason.GOAL_FENCED, Reason.GOAL_BEYOND_RESERVE, Reason.GOAL_REFUSED,
+    Reason.MOVING, Reason.SEARCH_ENDED, Reason.NO_WAY, Reason.PLAN_FAILED, Reason.GENERATOR_FAILED,
+    Reason.TRAJECTORY_REFUSED, Reason.NO_ANSWER, Reason.SHORTENED))
 
 
 @dataclass(frozen=True)

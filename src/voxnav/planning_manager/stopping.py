@@ -76,10 +76,15 @@ def jump_frame(state: State, because: Because, facts: Facts) -> Step:
 
 def close_map(state: State, because: Because, facts: Facts) -> Step:
     """Drops a goal whose map was closed, and hovers if the vehicle flies to it."""
+    return drop(state, because, facts.blind())
+
+
+def drop(state: State, because: Because, facts: Facts) -> Step:
+    """Drops the goal, and hovers if the vehicle flies to it."""
     if state.goal is None:
         return state, ()
     if is_in_motion(state):
-        return stop(state, because, facts.blind())
+        return stop(state, because, facts)
     return Idle(because, None, own_hover(state)), ()
 
 
