@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "box_grid.hpp"
 #include "voxnav/planning/path_planner.hpp"
@@ -129,6 +130,34 @@ TEST(PathPlanner, AQuickPathKeepsItsBoundOrIsLeftToTheThoroughSearch) {
   ASSERT_EQ(quick.status, PlanStatus::kComplete);
   EXPECT_LE(quick.cost_m, 1.2 * thorough.cost_m + 1e-9);
   EXPECT_TRUE(std::isfinite(quick.cost_m));
+}
+
+TEST(PathPlanner, AQuickSearchExpandsFewerRunsInADenseForest) {
+  // Trunks of one column, in whose shadows the straight line to the goal leads nowhere.
+  const auto grid = test::box_grid({0, 0, 0}, {127, 127, 15});
+  std::mt19937 rng(5);
+  for (int i = 0; i < 150; ++i) {
+    const int x = 10 + static_cast<int>(rng() % 108u), y = static_cast<int>(rng() % 128u);
+    test::fill(grid.get(), {x, y, 0}, {x, y, 15}, VoxelState::kOccupied);
+  }
+  PathPlannerConfig config;
+  config.clearance_distance_m = 4.0;
+  int num_paths = 0;
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 start(3.5, 5.5 + 10.0 * i, 8.5), goal(124.5, 125.5 - 10.0 * i, 8.5);
+    config.quick = false;
+    config.suboptimality_bound = 1.05;
+    const auto thorough = plan(grid, config, start, goal);
+    if (thorough.status != PlanStatus::kComplete) continue;
+    config.quick = true;
+    config.suboptimality_bound = 1.2;
+    const auto quick = plan(grid, config, start, goal);
+    ASSERT_EQ(quick.status, PlanStatus::kComplete);
+    EXPECT_LE(quick.cost_m, 1.2 * thorough.cost_m);
+    EXPECT_LT(quick.expansions, thorough.expansions) << i;
+    ++num_paths;
+  }
+  EXPECT_GE(num_paths, 8);
 }
 
 TEST(PathPlanner, LimitsEndTheSearchAndLeaveAPartialPath) {

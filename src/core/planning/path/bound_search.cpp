@@ -17,7 +17,7 @@ BoundSearch::End BoundSearch::run(Number start, WorkBudget* budget) {
     reached_[top.place].close();
     --budget->expansions_left;
     ++expansions_;
-    last_f_ = top.f;
+    last_f_ = std::max(last_f_, top.f);
     if (top.place == goal_) return End::kGoal;
     expand(top.place, top.cost);
   }
@@ -83,6 +83,14 @@ double BoundSearch::bound(Number number) const {
   // What was not expanded is no nearer than this, since the heuristic is consistent.
   const std::uint64_t rest = heuristic(graph_.node(number));
   return rest < last_f_ ? static_cast<double>(last_f_ - rest) / static_cast<double>(kUnit) : 0.0;
+}
+
+double BoundSearch::leading_cost(Number number) const {
+  if (number < reached_.size() && reached_[number].is_reached()) {
+    return static_cast<double>(reached_[number].cost()) / static_cast<double>(kUnit);
+  }
+  const double rest = weight_ * static_cast<double>(heuristic(graph_.node(number)));
+  return std::max(0.0, static_cast<double>(last_f_) - rest) / static_cast<double>(kUnit);
 }
 
 Number BoundSearch::nearest_to(const geometry::Vec3& point) const {

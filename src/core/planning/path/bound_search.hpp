@@ -39,6 +39,9 @@ class BoundSearch {
   /// Lower bound of the cost from the start to a run [voxel edges at unit cost], exact for runs that run() expanded.
   /// Precondition: the weight is 1.
   double bound(RunGraph::Number number) const;
+  /// The cost from the start to a run as it was found, with any weight, and for a run that was not reached what it
+  /// would be at least, so that another search may be led by it [voxel edges at unit cost].
+  double leading_cost(RunGraph::Number number) const;
   /// Among the expanded runs, the one nearest to a point.
   RunGraph::Number nearest_to(const geometry::Vec3& point) const;
   std::uint64_t expansions() const { return expansions_; }
@@ -50,6 +53,7 @@ class BoundSearch {
    public:
     std::uint64_t cost() const { return word_ >> 1; }
     bool is_closed() const { return (word_ & 1u) != 0; }
+    bool is_reached() const { return word_ != ~std::uint64_t{1}; }
     /// Whether a way at this cost is an improvement, which no expanded run takes.
     bool is_dearer(std::uint64_t cost) const { return cost < (word_ >> 1) && (word_ & 1u) == 0; }
     void set_cost(std::uint64_t cost) { word_ = cost << 1; }

@@ -85,7 +85,7 @@ class PathSearch {
     result_.expansions += bounds.expansions();
     if (end != BoundSearch::End::kGoal) return false;
     set_lower_bound(bounds.goal_cost() / weight);
-    RunSearch search(&graph_, config_.suboptimality_bound);
+    RunSearch search(&graph_, &bounds, config_.suboptimality_bound);
     consider(search.run({ends_.start_run, first_point()}, {ends_.goal_run, last_point()}, &budget_));
     result_.expansions += search.expansions();
     result_.memory_bytes = graph_.memory_bytes() + bounds.memory_bytes() + search.memory_bytes();

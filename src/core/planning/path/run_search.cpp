@@ -26,10 +26,10 @@ void append(const Vec3& point, std::vector<Vec3>* points) {
 }  // namespace
 
 std::vector<Vec3> RunSearch::run(const End& start, const End& goal, WorkBudget* budget) {
-  goal_ = goal.point;
-  place(start.run).height = start.point.z();
-  place(start.run).cost = 0.0;
-  open_.push(0.0, 0.0, start.run);
+  start_height_ = start.point.z();
+  place(goal.run).height = goal.point.z();
+  place(goal.run).cost = 0.0;
+  open_.push(0.0, 0.0, goal.run);
   while (!open_.empty()) {
     if (budget->expansions_left == 0 || memory_bytes() + graph_.memory_bytes() > budget->max_bytes) return {};
     const Number top = open_.pop().place;
@@ -37,7 +37,7 @@ std::vector<Vec3> RunSearch::run(const End& start, const End& goal, WorkBudget* 
     place(top).is_closed = true;
     --budget->expansions_left;
     ++expansions_;
-    if (top == goal.run) return trace(start, goal);
+    if (top == start.run) return trace(start, goal);
     expand(top);
   }
   return {};
@@ -78,10 +78,7 @@ void RunSearch::relax(Number from, Number to, double height, double length) {
   there.height = height;
   there.cost = cost;
   there.parent = from;
-  const RunGraph::Node& node = graph_.node(to);
-  const double dx = std::abs(node.x + 0.5 - goal_.x()), dy = std::abs(node.y + 0.5 - goal_.y());
-  const double flat = std::max(dx, dy) + (std::sqrt(2.0) - 1.0) * std::min(dx, dy);
-  open_.push(cost + weight_ * std::hypot(flat, height - goal_.z()), cost, to);
+  open_.push(cost + weight_ * std::hypot(bounds_.leading_cost(to), height - start_height_), cost, to);
 }
 
 Vec3 RunSearch::position(Number number) {
@@ -89,20 +86,22 @@ Vec3 RunSearch::position(Number number) {
   return {node.x + 0.5, node.y + 0.5, place(number).height};
 }
 
-/// A run is entered at the height at which the one before was left: up and down is flown in the first of the two.
+/// A run is entered at the height at which the one before was left, seen from the goal: up and down is flown in the one
+/// that is nearer to the goal.
 std::vector<Vec3> RunSearch::trace(const End& start, const End& goal) {
   std::vector<Number> runs;
-  for (Number n = goal.run; n != RunGraph::kNone; n = place(n).parent) runs.push_back(n);
+  for (Number n = start.run; n != RunGraph::kNone; n = place(n).parent) runs.push_back(n);
   std::reverse(runs.begin(), runs.end());
-  std::vector<Vec3> out = {start.point};
-  append(position(start.run), &out);
+  std::vector<Vec3> out = {goal.point};
+  append(position(goal.run), &out);
   for (std::size_t i = 1; i < runs.size(); ++i) {
     const Vec3 there = position(runs[i]);
     append({out.back().x(), out.back().y(), there.z()}, &out);
     append(there, &out);
   }
-  append({out.back().x(), out.back().y(), goal.point.z()}, &out);
-  append(goal.point, &out);
+  append({out.back().x(), out.back().y(), start.point.z()}, &out);
+  append(start.point, &out);
+  std::reverse(out.begin(), out.end());
   return out;
 }
 

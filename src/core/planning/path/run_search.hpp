@@ -7,13 +7,14 @@
 
 namespace voxnav::planning {
 
-/// Weighted A* over runs of cells that passes each run at one height: that at which it came in, or the one nearest to
-/// it where the run reaches, so that changes of height cost something, other than in a BoundSearch. It finds a way at
-/// once where the best way hardly matters; how good its path is must be judged by a bound. Positions are in voxel
-/// edges.
+/// Weighted A* over runs of cells, from the goal back to the start, led by the costs that a BoundSearch from the start
+/// has found. It passes each run at one height: that at which it came in, or the one nearest to it where the run
+/// reaches, so that changes of height cost something, other than in a BoundSearch. Where they cost little it expands
+/// hardly more than the runs of its path. How good that is must be judged by a bound. Positions are in voxel edges.
 class RunSearch {
  public:
-  RunSearch(RunGraph* graph, double weight) : graph_(*graph), weight_(weight) {}
+  RunSearch(RunGraph* graph, const BoundSearch* bounds, double weight)
+      : graph_(*graph), bounds_(*bounds), weight_(weight) {}
 
   struct End {
     RunGraph::Number run;
@@ -45,8 +46,9 @@ class RunSearch {
   std::vector<geometry::Vec3> trace(const End& start, const End& goal);
 
   RunGraph& graph_;
+  const BoundSearch& bounds_;
   double weight_;
-  geometry::Vec3 goal_;
+  double start_height_ = 0.0;
   std::vector<Place> places_;
   OpenList<double, RunGraph::Number> open_{1.0 / kSlotsPerEdge};
   std::uint64_t expansions_ = 0;
