@@ -81,8 +81,8 @@ class FencesTest(unittest.TestCase):
         self.assertIn("bow tie: edges of the outline cross", refused.message)
         self.assertTrue(self.zone("pond", 27.0, 34.0).success)
         self.assertEqual(self.goal((30.0, 0.0, 2.0)).message, "goal is in the no-fly zone pond")
-        self.wait(lambda: any(marker.ns == "zone pond" and marker.type == Marker.LINE_LIST
-                              for marker in self.markers[-1]), "the marker of the zone")
+        self.wait(lambda: {("zone pond", Marker.LINE_LIST), ("zone pond walls", Marker.TRIANGLE_LIST)} <=
+                  {(marker.ns, marker.type) for marker in self.markers[-1]}, "the markers of the zone")
         self.assertTrue(self.clear_zones().success)
         self.wait(lambda: "the battery holds 60 s, of which 60 s are reserve" in self.goal((30.0, 8.0, 2.0)).message,
                   "the refusal because of the battery")

@@ -17,7 +17,7 @@ from voxnav.srv import AddZone, AddZoneResponse
 
 # Fences are placed anew this often, because the transforms between the frames of MRS change.
 PLACE_INTERVAL_S = 1.0
-AREA_COLOUR, ZONE_COLOUR = (0.2, 0.8, 1.0, 0.9), (1.0, 0.3, 0.2, 0.9)
+AREA_COLOUR, ZONE_COLOUR, ZONE_WALL_COLOUR = (0.2, 0.8, 1.0, 0.9), (1.0, 0.3, 0.2, 0.9), (1.0, 0.3, 0.2, 0.3)
 LINE_M = 0.1
 
 
@@ -181,14 +181,36 @@ class PlanningFences:
         markers = [Marker(action=Marker.DELETEALL)]
         if self._placed is not None:
             fences = self._placed.fences
-            prisms = [("safety area", AREA_COLOUR, fences.area)] if fences.area is not None else []
-            prisms += [("zone " + name, ZONE_COLOUR, zone) for name, zone in zip(self._placed.names, fences.zones)]
-            markers += [self._marker(*prism) for prism in prisms]
+            if fences.area is not None:
+                markers.append(self._edges("safety area", AREA_COLOUR, fences.area))
+            for name, zone in zip(self._placed.names, fences.zones):
+                # Edges alone disappear among the voxels of the map; the area has none, because one looks through it.
+                markers += [self._edges("zone " + name, ZONE_COLOUR, zone), self._walls("zone %s walls" % name, zone)]
         self._markers.publish(MarkerArray(markers=markers))
 
-    def _marker(self, name, colour, prism):
+    def _edges(self, name, colour, prism):
         return marker(self._inputs.odometry_frame, rospy.Time(0), name, Marker.LINE_LIST, colour, LINE_M,
-                      [Point(*(float(x) for x in end)) for end in edges_of(prism)])
+                      corner_points(edges_of(prism)))
+
+    def _walls(self, name, prism):
+        return marker(self._inputs.odometry_frame, rospy.Time(0), name, Marker.TRIANGLE_LIST, ZONE_WALL_COLOUR, 1.0,
+                      corner_points(walls_of(prism)))
+
+
+def corner_points(corners):
+    return [Point(*(float(x) for x in corner)) for corner in corners]
+
+
+def walls_of(prism):
+    """Returns the corners of the triangles of the sides of a voxnav.Prism, (n, 3).
+
+    Each triangle comes twice, because rviz lights it from one side only and shows the other one black.
+    """
+    low, high = prism.min_z, prism.max_z
+    corners = []
+    for (x0, y0), (x1, y1) in zip(prism.outline, np.roll(prism.outline, -1, axis=0)):
+        corners += [(x0, y0, low), (x1, y1, low), (x1, y1, high), (x0, y0, low), (x1, y1, high), (x0, y0, high)]
+    return np.array(corners + corners[::-1])
 
 
 def edges_of(prism):

@@ -27,8 +27,9 @@ def marker(frame, stamp, name, kind, colour, size, points=()):
     out.pose.orientation.w = 1.0
     out.color = ColorRGBA(*colour)
     out.scale.x = size
-    if kind == Marker.SPHERE:
+    if kind in (Marker.SPHERE, Marker.TRIANGLE_LIST):
         out.scale.y = out.scale.z = size
+    if kind == Marker.SPHERE:
         if len(points):
             out.pose.position = points[0]
     else:
