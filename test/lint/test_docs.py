@@ -63,6 +63,12 @@ def test_files_that_are_named_exist(page):
     assert not broken, "%s: %s" % (page, broken)
 
 
+def test_every_page_has_a_place_in_the_site():
+    listed = set(read("docs/site/index.md").split())
+    pages = [page for page in PAGES if page.startswith("docs/") and not page.startswith("docs/site/")]
+    assert not [page for page in pages if page[:-len(".md")] not in listed]
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("docs/maths/")])
 def test_every_section_on_maths_names_its_source_and_its_file(page):
     sections = re.split(r"^## ", read(page), flags=re.MULTILINE)[1:]
