@@ -36,7 +36,7 @@ class HomeState:
 
 
 class HomeKeeper:
-    """Is told the inputs of the planning manager again and again. Not thread-safe, but for correct_map().
+    """Is told the inputs of the planning manager again and again. Not thread-safe, but for what says so.
 
     radius_m: known free space that must surround a shortcut; deviation_m: how far a trajectory may leave the way
     """
@@ -60,8 +60,9 @@ class HomeKeeper:
 
     @property
     def way_W(self) -> Optional[Array]:
-        """Returns the way from the vehicle to the start, (k, 3); None if it is not known."""
-        return None if self._track is None else self._track.way_W()
+        """Returns the way from the vehicle to the start, (k, 3); None if it is not known. Thread-safe."""
+        track = self._track  # a search asks in a thread of its own, while a landing may take the way away
+        return None if track is None else track.way_W()
 
     def correct_map(self, T_W_S: dict[int, Array], T_W_O: Array, odometry_frame: str) -> None:
         """Takes a solution of the graph, which counts from when the inputs have its T_W_O. Thread-safe.
